@@ -4,10 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import soundfile
 
 from ross_payload.errors import ConfigError
 from ross_payload.separation.local_gaussian_model import wiener
-from ross_payload.separation.network import encode_network, network_of, places
+from ross_payload.separation.network import encode_network, network_of, places, shipped_arrays
 from ross_payload.separation.refiner_features import N_FEATURES
 from ross_sim.study import refiner_clips, refiner_data, refiner_model
 from ross_sim.study.refiner_clips import N_KEPT, clips, kept_out, load, packed, piece
@@ -126,10 +127,19 @@ def test_going_on_is_in_more_reverberant_rooms(tmp_path: Path, monkeypatch: pyte
     assert asked == [(0, None), (1, None), (0, LONGER), (1, LONGER)]
 
 
-def test_two_ways_to_train_at_once_and_damaged_weights_are_refused(tmp_path: Path) -> None:
+def test_damaged_weights_to_begin_with_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "weights.npz"
     file.write_bytes(b"no weights")
-    with pytest.raises(ConfigError, match="expected --begin or --motor, got both"):
-        training(file, file)
     with pytest.raises(ConfigError, match="expected the weights of a refiner"):
         training(file, None)
+
+
+def test_for_noise_it_begins_with_the_shipped_weights_or_those_of_a_file(tmp_path: Path) -> None:
+    motor, file = tmp_path / "motor.wav", tmp_path / "earlier.npz"
+    soundfile.write(motor, 0.1 * np.random.default_rng(5).standard_normal(RATE), RATE)
+    earlier = refiner_model.initial(8, 2, 8, np.random.default_rng(4))
+    file.write_bytes(encode_network(earlier))
+    shipped, other = training(None, motor), training(file, motor)
+    assert shipped.purpose.begin(shipped.recipe, 0)["f0"].shape == shipped_arrays()["f0"].shape
+    np.testing.assert_allclose(other.purpose.begin(other.recipe, 0)["f0"], earlier["f0"], rtol=1e-3)
+    assert other.recipe.fastest == shipped.recipe.fastest == FASTEST

@@ -2,7 +2,7 @@
 
 With ``--begin`` it goes on from the weights of an earlier training, with more clips, also in more reverberant rooms,
 and smaller steps. With ``--motor``, the recording of a motor without a propeller, it is trained for noise that has a
-direction, beginning with the shipped weights.
+direction, from the shipped weights on, or from those of ``--begin``.
 
 Clips of random mixtures are made once; then a network is trained on random pieces of them, one piece per step, with
 Adam and an average of the weights. The folder of readers has a list, MANIFEST.tsv, that says who is in the set
@@ -238,24 +238,26 @@ def training(begin: Path | None, motor: Path | None) -> Training:
     Raises
     ------
     ConfigError
-        When both are given, or one cannot be used.
+        When a file cannot be used.
     """
-    if begin is not None and motor is not None:
-        raise ConfigError("expected --begin or --motor, got both")
+    recipe, weights = Recipe(), shipped_arrays()
+    if begin is not None:
+        content = begin.read_bytes()
+        weights = arrays_of(content, begin.name)
+        recipe = Recipe(fastest=SLOWER, begun=hashlib.sha256(content).hexdigest())
     if motor is not None:
         sound = read(motor, RATE).astype(float)
 
         def make(voices: Mapping[str, Real], folder: Path, count: int, seed: int) -> Iterator[Path]:
             return noise_pieces.noisy_clips(voices, sound, folder, count, seed)
 
-        return Training(make, N_NOISY_CLIPS, N_NOISY_WATCHED, Recipe(n_steps=N_NOISY_STEPS, each=500), IN_NOISE)
+        recipe = replace(recipe, n_steps=N_NOISY_STEPS, each=500, fastest=FASTEST)
+        purpose = replace(IN_NOISE, begin=lambda *_: widened(weights))
+        return Training(make, N_NOISY_CLIPS, N_NOISY_WATCHED, recipe, purpose)
     if begin is not None:
-        content = begin.read_bytes()
-        weights = arrays_of(content, begin.name)
-        recipe = Recipe(fastest=SLOWER, begun=hashlib.sha256(content).hexdigest())
         purpose = replace(WHITE, begin=lambda *_: weights)
         return Training(partial(clips, longest=LONGER), N_MORE_CLIPS, N_WATCHED, recipe, purpose, "more-")
-    return Training(clips, N_CLIPS, N_WATCHED, Recipe())
+    return Training(clips, N_CLIPS, N_WATCHED, recipe)
 
 
 @click.command(help=__doc__)
