@@ -82,9 +82,11 @@ def _random(recipe: Recipe, seed: int) -> dict[str, Real]:
 
 
 WHITE = Purpose(_random, piece, refiner_model.loss, tuple(n + 1 for n in GROUPS))
-IN_NOISE = Purpose(
-    lambda *_: widened(shipped_arrays()), noise_pieces.piece_in_noise, refiner_model.loss_in_noise, (1, 2, 3, 4)
-)
+
+
+def in_noise(weights: Mapping[str, Real]) -> Purpose:
+    """For noise that has a direction, from weights on that know white noise."""
+    return Purpose(lambda *_: widened(weights), noise_pieces.piece_in_noise, refiner_model.loss_in_noise, (1, 2, 3, 4))
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,8 +254,7 @@ def training(begin: Path | None, motor: Path | None) -> Training:
             return noise_pieces.noisy_clips(voices, sound, folder, count, seed)
 
         recipe = replace(recipe, n_steps=N_NOISY_STEPS, each=500, fastest=FASTEST)
-        purpose = replace(IN_NOISE, begin=lambda *_: widened(weights))
-        return Training(make, N_NOISY_CLIPS, N_NOISY_WATCHED, recipe, purpose)
+        return Training(make, N_NOISY_CLIPS, N_NOISY_WATCHED, recipe, in_noise(weights))
     if begin is not None:
         purpose = replace(WHITE, begin=lambda *_: weights)
         return Training(partial(clips, longest=LONGER), N_MORE_CLIPS, N_WATCHED, recipe, purpose, "more-")
