@@ -106,6 +106,8 @@ def step_size(step: int, n_steps: int, fastest: float = FASTEST) -> float:
 
     >>> [round(step_size(step, 1000), 5) for step in (0, 299, 500, 825, 1000)]
     [1e-05, 0.0015, 0.0015, 0.00075, 0.0]
+    >>> step_size(500, 1000, SLOWER)
+    0.0005
     """
     return fastest * min((step + 1) / WARM, 1.0, max(n_steps - step, 0) / (FALLING * n_steps))
 
