@@ -26,7 +26,7 @@ def test_a_file_of_something_else_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="expected rows of the study of live separation"):
         read_rows(path)
     result = CliRunner().invoke(main, [str(path)])
-    assert result.exit_code == 1
+    assert result.exit_code == 2
     assert result.output.count("\n") == 1
 
 

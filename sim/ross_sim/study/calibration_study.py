@@ -27,7 +27,7 @@ from ross_payload.interfaces import Real, Samples
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.calibration_flight import turned_in
 from ross_sim.study.calibration_rows import CalibrationRow, calibrations
-from ross_sim.study.room_settings import SETTINGS
+from ross_sim.study.room_settings import SETTINGS, check_rooms
 from ross_sim.study.row_files import as_csv
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of
@@ -144,9 +144,7 @@ def conduct(
     RossError
         When a name is unknown, the voices cannot be read, or the rows cannot be written.
     """
-    for name in settings:
-        if name not in SETTINGS:
-            raise ConfigError(unknown("room", name, SETTINGS))
+    check_rooms(settings)
     for name in sounds:
         if name not in (NOISE, TALKER):
             raise ConfigError(unknown("sound", name, (NOISE, TALKER)))

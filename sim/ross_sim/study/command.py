@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 import click
 
 from ross_payload.errors import ConfigError, unknown
 from ross_payload.plugins import install_line
 from ross_sim.study.benchmark.command import benchmark
+from ross_sim.study.option_types import CommaSeparated, EngineName, ShardNumber
 
 DEFAULT = "separators"
-SCHEMES = {"dask": "tcp", "dask+tls": "tls"}  # of the address of a scheduler, and what Dask calls them
 LOWEST, HIGHEST, FASTEST = 1.0, 100.0, 3.0  # of listening from above [m], [m/s]
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
@@ -43,62 +42,11 @@ class _Studies(click.Group):
             raise ConfigError(f"a study needs the package {error.name}: {install_line('study')}") from error
 
 
-class _Names(click.ParamType[Any]):
-    """Values separated by commas."""
-
-    name = "A,B,..."
-
-    def __init__(self, kind: Any = str) -> None:
-        self._kind = kind
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Split and convert."""
-        parts = [part.strip() for part in str(value).split(",") if part.strip()]
-        try:
-            return tuple(self._kind(part) for part in parts)
-        except ValueError:
-            return self.fail(f"'{value}' is not a list of {self._kind.__name__} separated by commas", param, ctx)
-
-
-class _Shard(click.ParamType[Any]):
-    """One of several shares: 2/5."""
-
-    name = "I/N"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Read number and count."""
-        from ross_sim.study.study_design import Shard
-
-        number, _, of = str(value).partition("/")
-        if not (number.isdecimal() and of.isdecimal() and 1 <= int(number) <= int(of)):
-            return self.fail(f"expected I/N with I from 1 to N, got '{value}'", param, ctx)
-        return Shard(int(number), int(of))
-
-
-class _EngineName(click.ParamType[Any]):
-    """Who does the tasks: processes, dask, or the scheduler of a cluster."""
-
-    name = "processes|dask|dask://HOST:PORT"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Give what there is to know but the number of workers."""
-        if value in ("processes", "dask"):
-            return {"dask": value == "dask"}
-        scheme, _, rest = str(value).partition("://")
-        try:
-            there = urlsplit(f"//{rest}")
-            if scheme in SCHEMES and there.hostname and there.port and there.netloc == rest:
-                return {"dask": True, "scheduler": f"{SCHEMES[scheme]}://{rest}"}
-        except ValueError:  # a port that is none
-            pass
-        return self.fail(f"expected {self.name} (or dask+tls://HOST:PORT), got '{value}'", param, ctx)
-
-
 def _executed(function: Any) -> Any:
     """Options of a study whose tasks can be shared out."""
-    shard = click.option("--shard", type=_Shard(), help="Do this share of the tasks alone: 1/4, 2/4, ...")
+    shard = click.option("--shard", type=ShardNumber(), help="Do this share of the tasks alone: 1/4, 2/4, ...")
     engine = click.option(
-        "--engine", type=_EngineName(), default="processes", help="Who does the tasks; default: processes."
+        "--engine", type=EngineName(), default="processes", help="Who does the tasks; default: processes."
     )
     workers = click.option(
         "--workers", type=click.IntRange(1, 256), help="Processes of this computer; default: one per core."
@@ -140,19 +88,25 @@ def command() -> None:
     "--quick", is_flag=True, help="The first K, one layout, at most 3 starts, 4 rotations, T_run at most 3 s."
 )
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of everything random.")
-@click.option("--settings", type=_Names(), help="Rooms: S1,S2,S3,A0.3,...")
-@click.option("--k", type=_Names(int), help="Numbers of talkers.")
+@click.option("--settings", type=CommaSeparated(), help="Rooms: S1,S2,S3,A0.3,...")
+@click.option("--k", type=CommaSeparated(int), help="Numbers of talkers.")
 @click.option("--layouts", type=click.IntRange(min=0), help="Random layouts, beside the paper's.")
 @click.option("--starts", type=click.IntRange(1, 180), help="Start headings over half a turn.")
-@click.option("--separators", type=_Names(), help="Separators and oracles (irm, mwf, tvmwf); '' for none.")
-@click.option("--noise", type=_Names(), help="Noise PSD to the separators: known, unknown or both.")
-@click.option("--explorers", type=_Names(), help="Explorers; '' for none: true azimuths only.")
-@click.option("--t-unit", "unit_s", type=_Names(float), help="T_unit [s].")
-@click.option("--rotations", type=_Names(_schedule), help="Numbers of rotations, or stop: the explorer's own rule.")
-@click.option("--turning", "turning_deg_s", type=_Names(float), help="Turn without a pause [deg/s]; 0: step by step.")
+@click.option("--separators", type=CommaSeparated(), help="Separators and oracles (irm, mwf, tvmwf); '' for none.")
+@click.option("--noise", type=CommaSeparated(), help="Noise PSD to the separators: known, unknown or both.")
+@click.option("--explorers", type=CommaSeparated(), help="Explorers; '' for none: true azimuths only.")
+@click.option("--t-unit", "unit_s", type=CommaSeparated(float), help="T_unit [s].")
+@click.option(
+    "--rotations", type=CommaSeparated(_schedule), help="Numbers of rotations, or stop: the explorer's own rule."
+)
+@click.option(
+    "--turning", "turning_deg_s", type=CommaSeparated(float), help="Turn without a pause [deg/s]; 0: step by step."
+)
 @click.option("--tell-k", is_flag=True, default=None, help="Tell the explorer K (joint only).")
 @click.option("--rules", help="Where to turn: best (predicted gain), or paper (its equations).")
-@click.option("--talkers", type=_Names(), help="Names in the folder; default: all. Up to five keep their order.")
+@click.option(
+    "--talkers", type=CommaSeparated(), help="Names in the folder; default: all. Up to five keep their order."
+)
 def separators(
     preset: str,
     *,
@@ -179,10 +133,12 @@ def separators(
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder of the study.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
 @_executed
-@click.option("--scenarios", type=_Names(), help="Scenarios by name or path, or rooms: living-room,S1,B0.45,...")
-@click.option("--k", type=_Names(int), help="Numbers of talkers; default: the scenario's.")
+@click.option(
+    "--scenarios", type=CommaSeparated(), help="Scenarios by name or path, or rooms: living-room,S1,B0.45,..."
+)
+@click.option("--k", type=CommaSeparated(int), help="Numbers of talkers; default: the scenario's.")
 @click.option("--places", type=click.Choice(["drawn", "written"]), help="Random azimuths, or those of the scenario.")
-@click.option("--targets", type=_Names(), help="Whether the target is in the room: present,absent.")
+@click.option("--targets", type=CommaSeparated(), help="Whether the target is in the room: present,absent.")
 @click.option("--draws", type=click.IntRange(1, 10000), help="How often to fly; every draw has other talkers.")
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of the first draw; the next have the next seeds.")
 @click.option("--set", "settings", multiple=True, help="Change a key of the payload: explore.pipelined=true.")
@@ -212,8 +168,8 @@ def missions(
 @command.command("calibration")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="CSV file for the rows.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
-@click.option("--settings", type=_Names(), default="S1,S2", help="Rooms; default S1,S2.")
-@click.option("--sounds", type=_Names(), default="noise,talker", help="Default noise,talker.")
+@click.option("--settings", type=CommaSeparated(), default="S1,S2", help="Rooms; default S1,S2.")
+@click.option("--sounds", type=CommaSeparated(), default="noise,talker", help="Default noise,talker.")
 @click.option("--draws", type=click.IntRange(1, 10000), default=20, help="Arrays per room and sound; default 20.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, help="Of everything random; default 0.")
 def calibration(**asked: Any) -> int:
@@ -232,18 +188,20 @@ def calibration(**asked: Any) -> int:
 @click.option(
     "--noise", type=click.Path(path_type=Path), help="Folder of recorded propellers; default: made ones only."
 )
-@click.option("--kinds", type=_Names(), default="synthetic,recorded", help="synthetic, drifting, recorded, wind.")
-@click.option("--snr", type=_Names(float), default="0,-5,-10", help="Talkers over noise at microphone 1 [dB].")
+@click.option(
+    "--kinds", type=CommaSeparated(), default="synthetic,recorded", help="synthetic, drifting, recorded, wind."
+)
+@click.option("--snr", type=CommaSeparated(float), default="0,-5,-10", help="Talkers over noise at microphone 1 [dB].")
 @click.option("--layouts", type=click.IntRange(1, 1000), default=3, help="Of every K from 1 to 3.")
 @click.option(
     "--models",
-    type=_Names(),
+    type=CommaSeparated(),
     default="learnt,white",
     help="learnt: covariances; told: and rotor speeds; white: without.",
 )
 @click.option("--separator", default="refined", help="Name of a separator.")
 @click.option("--only", type=click.Choice(["explore", "separate"]), help="One half of it.")
-@click.option("--seed", type=_Names(int), default="1", help="Seeds of everything random, one after the other.")
+@click.option("--seed", type=CommaSeparated(int), default="1", help="Seeds of everything random, one after the other.")
 def noise_study(*, out: Path, speech: Path, noise: Path | None, only: str | None, **axes: Any) -> int:
     """Measure finding and separating among rotors and in wind: noise x ratio x K x layouts.
 
@@ -305,9 +263,13 @@ def status(folder: Path) -> int:
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="CSV file for the rows.")
 @click.option("--speech", type=click.Path(path_type=Path), required=True, help="Folder of recordings of talkers.")
 @click.option("--noise", type=click.Path(path_type=Path), help="Folder of recorded propellers; default: made ones.")
-@click.option("--heights", type=_Names(float), default="5,10,20", help="Of the array above the mouths [m].")
-@click.option("--ratios", type=_Names(_ratio), default="off,10,0,-5,-10", help="Talkers over rotors [dB], or off.")
-@click.option("--walks", type=_Names(float), default="0", help="Walking speed of the talkers [m/s]; 0: they stand.")
+@click.option("--heights", type=CommaSeparated(float), default="5,10,20", help="Of the array above the mouths [m].")
+@click.option(
+    "--ratios", type=CommaSeparated(_ratio), default="off,10,0,-5,-10", help="Talkers over rotors [dB], or off."
+)
+@click.option(
+    "--walks", type=CommaSeparated(float), default="0", help="Walking speed of the talkers [m/s]; 0: they stand."
+)
 @click.option("--layouts", type=click.IntRange(1, 1000), default=8, help="Of every K from 1 to 3.")
 @click.option("--separated", type=click.IntRange(min=0), default=1, help="Of these, so many are separated, too.")
 @click.option("--ground", type=click.FloatRange(0, 1), default=0.5, help="Reflection coefficient of the ground.")

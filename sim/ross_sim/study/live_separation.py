@@ -20,13 +20,15 @@ from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.stft import Stft
 from ross_payload.dsp.streaming_stft import StreamingAnalysis, StreamingSynthesis, transform_for
-from ross_payload.errors import ConfigError, RossError
+from ross_payload.errors import ConfigError
 from ross_payload.interfaces import LiveSeparator, Real, Scene
 from ross_payload.plugin_checks import load_separator
 from ross_sim.study.live_tables import Row, appended, read_rows, tables
 from ross_sim.study.mixtures import VOICES, Mixture, aligned_heading, layouts, record, scene_of
+from ross_sim.study.option_types import CommaSeparated
 from ross_sim.study.page_tables import write_page
-from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
+from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, check_rooms
+from ross_sim.study.script_errors import told_in_a_line
 from ross_sim.talkers.speech import load_folder
 
 SECONDS, SETTLED, FIRST = 10.0, 4.0, 1.0  # of a mixture, until its covariances are learnt, after a turn [s]
@@ -162,9 +164,9 @@ def mixtures(blank: Row, voices: Sequence[Real]) -> tuple[Mixture, Mixture]:
 @click.command()
 @click.argument("rows", type=click.Path(path_type=Path))
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of talkers; absent: nothing is measured.")
-@click.option("--settings", default="S1,S2,A0.45", show_default=True)
-@click.option("--k", default="3,4,5", show_default=True, help="Numbers of talkers.")
-@click.option("--rates", default="16000,24000", show_default=True, help="[Hz]")
+@click.option("--settings", type=CommaSeparated(), default="S1,S2,A0.45", show_default=True)
+@click.option("--k", type=CommaSeparated(int), default="3,4,5", show_default=True, help="Numbers of talkers.")
+@click.option("--rates", type=CommaSeparated(int), default="16000,24000", show_default=True, help="[Hz]")
 @click.option("--layouts", "n_layouts", type=click.IntRange(min=0), default=0, show_default=True, help="Random ones.")
 @click.option("--targets", type=click.IntRange(min=1), default=2, show_default=True, help="Of every layout.")
 @click.option("--seed", type=int, default=0, show_default=True)
@@ -173,23 +175,24 @@ def main(
     *,
     rows: Path,
     speech: Path | None,
-    settings: str,
-    k: str,
-    rates: str,
+    settings: tuple[str, ...],
+    k: tuple[int, ...],
+    rates: tuple[int, ...],
     n_layouts: int,
     targets: int,
     seed: int,
     page: Path | None,
 ) -> None:
     """Measure what is missing in ROWS (CSV), and print the tables."""
-    try:
+    with told_in_a_line():
+        check_rooms(settings)
         blanks = [
-            Row(setting, int(count), layout, target, int(rate), seed)
-            for rate in rates.split(",")
+            Row(setting, count, layout, target, rate, seed)
+            for rate in rates
             for layout in range(n_layouts + 1)
             for target in range(targets)
-            for count in k.split(",")
-            for setting in settings.split(",")
+            for count in k
+            for setting in settings
         ]
         if speech is not None:
             with threadpool_limits(1), np.errstate(all="ignore"):
@@ -198,8 +201,6 @@ def main(
         click.echo(tables(found))
         if page is not None:
             write_page(page, rows)
-    except RossError as error:
-        raise click.ClickException(str(error)) from error
 
 
 def _measure(path: Path, blanks: Sequence[Row], speech: Path) -> None:

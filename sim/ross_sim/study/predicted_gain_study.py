@@ -23,10 +23,11 @@ from ross_payload import plugins
 from ross_payload.alignment import predicted_gain
 from ross_payload.alignment.plan import isolation
 from ross_payload.angles import Real
-from ross_payload.errors import RossError
 from ross_payload.interfaces import Separator
 from ross_sim.study.mixtures import RATE, aligned_heading, gains, layouts, record
-from ross_sim.study.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting
+from ross_sim.study.option_types import CommaSeparated
+from ross_sim.study.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting, check_rooms
+from ross_sim.study.script_errors import told_in_a_line
 from ross_sim.study.study_design import Study
 from ross_sim.study.talker_placement import Source, check_voices, voices_of
 
@@ -118,31 +119,39 @@ def line(name: str, n_sources: int, found: Sequence[Curve]) -> str:
 
 @click.command()
 @click.option("--speech", type=click.Path(path_type=Path), default=Path("../shared/speech"), show_default=True)
-@click.option("--rooms", default=",".join(PLANES), show_default=True, help=f"Of {','.join(SETTINGS)}.")
-@click.option("--k", "sizes", default="2,3,4,5", show_default=True, help="Numbers of talkers.")
+@click.option(
+    "--rooms", type=CommaSeparated(), default=",".join(PLANES), show_default=True, help=f"Of {','.join(SETTINGS)}."
+)
+@click.option(
+    "--k", "sizes", type=CommaSeparated(int), default="2,3,4,5", show_default=True, help="Numbers of talkers."
+)
 @click.option("--layouts", "count", type=click.IntRange(min=1), default=4, show_default=True)
 @click.option("--step-deg", type=click.FloatRange(1, 90), default=15.0, show_default=True)
 @click.option("--seconds", type=click.FloatRange(2, 10), default=6.0, show_default=True)
 @click.option("--seed", type=int, default=0, show_default=True)
-def main(*, speech: Path, rooms: str, sizes: str, count: int, step_deg: float, seconds: float, seed: int) -> None:
+def main(
+    *,
+    speech: Path,
+    rooms: tuple[str, ...],
+    sizes: tuple[int, ...],
+    count: int,
+    step_deg: float,
+    seconds: float,
+    seed: int,
+) -> None:
     """Print what is lost [dB] by the heading of every rule, and the constants that fit best."""
-    names = rooms.split(",")
-    unknown = [name for name in names if name not in SETTINGS]
-    if unknown:
-        raise click.UsageError(f"room '{unknown[0]}' is unknown; there are: {', '.join(SETTINGS)}")
-    found: dict[str, list[Curve]] = {name: [] for name in names}
-    click.echo("             best " + " ".join(f"{rule:>8}" for rule in (*RULES, "mean", "rank")))
-    try:
+    found: dict[str, list[Curve]] = {name: [] for name in rooms}
+    with told_in_a_line():
+        check_rooms(rooms)
         talkers = voices_of(Source(speech, (), RATE))
         check_voices(talkers, Study(run_s=seconds))
         voices = [voice.speech[: round(seconds * RATE)] for voice in talkers]
-        for name, size in product(names, [int(size) for size in sizes.split(",")]):
+        click.echo("             best " + " ".join(f"{rule:>8}" for rule in (*RULES, "mean", "rank")))
+        for name, size in product(rooms, sizes):
             with threadpool_limits(1):
                 cell = list(curves(voices, size, SETTINGS[name], count, seed, step_deg=step_deg))
             click.echo(line(name, size, cell))
             found[name] += cell
-    except RossError as error:
-        raise click.ClickException(str(error)) from error
     for name, cell in found.items():
         reach, echoes, between = fit(cell)
         click.echo(f"{name:5} s = {reach:.3f} d / v_p, r = {echoes:.3f}, m = {between:.3f}")

@@ -6,11 +6,12 @@ that the energy decay of what is simulated (Schroeder, first 20 dB) has the T60 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from ross_payload.errors import ConfigError, unknown
 from ross_payload.interfaces import Real, Samples
 from ross_sim.acoustics.impulse_responses import Responses
 from ross_sim.acoustics.room import RoomSpec, respond
@@ -72,3 +73,16 @@ SETTINGS = {
     )
 }
 PLANES = ("S1", "S2", "S3")  # the paper's settings
+
+
+def check_rooms(names: Iterable[str]) -> None:
+    """Check that rooms are known.
+
+    Raises
+    ------
+    ConfigError
+        When one is not.
+    """
+    for name in names:
+        if name not in SETTINGS:
+            raise ConfigError(unknown("room", name, SETTINGS))

@@ -28,6 +28,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
 from ross_payload.separation import auxiva
 from ross_sim.study.baselines import library
+from ross_sim.study.script_errors import told_in_a_line
 from ross_sim.study.workload import VOICE_RATE, Case, Peer, Work, cpu_seconds, prepared
 from ross_sim.talkers.speech import load_folder
 
@@ -220,13 +221,11 @@ def label(title: str, case: Case) -> str:
 def main(speech: Path, repeats: int, seed: int) -> None:
     """Print one table of methods and one for everything that makes the task grow."""
     with threadpool_limits(1), np.errstate(all="ignore"):
-        try:
+        with told_in_a_line():
             voices = [voice.speech for voice in load_folder(speech, VOICE_RATE)]
-        except ConfigError as error:
-            raise click.ClickException(str(error)) from error
-        need = max(case.n_sources for cases in GROWTH.values() for case in cases)
-        if len(voices) < need:
-            raise click.ClickException(f"{speech}: expected {need} talkers, got {len(voices)}")
+            need = max(case.n_sources for cases in GROWTH.values() for case in cases)
+            if len(voices) < need:
+                raise ConfigError(f"{speech}: expected {need} talkers, got {len(voices)}")
         lines = comparison(compared(voices, repeats, seed))
         click.echo("\n".join(lines))
         for title, cases in GROWTH.items():

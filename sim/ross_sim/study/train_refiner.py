@@ -27,13 +27,14 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ross_payload.atomic_files import write_whole
-from ross_payload.errors import ConfigError, RossError
+from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.separation.network import arrays_of, encode_network, shipped_arrays
 from ross_sim.cache import Array, cached, fingerprint
 from ross_sim.study import noise_pieces, refiner_model
 from ross_sim.study.refiner_clips import Batch, clips, kept_out, load, piece
 from ross_sim.study.refiner_model import initial, widened
+from ross_sim.study.script_errors import told_in_a_line
 from ross_sim.study.training_voices import readers
 from ross_sim.study.voice_augmentation import RATE
 from ross_sim.talkers.speech import read
@@ -289,7 +290,7 @@ def main(
     out: Path,
 ) -> None:
     """Train and write the weights (.npz)."""
-    try:
+    with told_in_a_line():
         with threadpool_limits(1):
             way = training(begin, motor)
             voices = readers(folder, "train")
@@ -301,8 +302,6 @@ def main(
             recipe = replace(way.recipe, n_steps=steps or way.recipe.n_steps)
             content = encode_network(train(paths, watched, work, recipe, seed=seed, purpose=way.purpose))
         write_whole(out, content)
-    except RossError as error:
-        raise click.ClickException(str(error)) from error
     click.echo(f"{out.name}: {len(content) / 1000:.0f} kB")
 
 

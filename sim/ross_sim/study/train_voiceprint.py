@@ -20,7 +20,6 @@ from sklearn.mixture import GaussianMixture
 from threadpoolctl import threadpool_limits
 
 from ross_payload.atomic_files import write_whole
-from ross_payload.errors import RossError
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint.built_in import Background, Factors, Parameters, encode_model, pitch_of, read_model
 from ross_sim.cache import Array, cached
@@ -34,6 +33,7 @@ from ross_sim.study.calibration_voices import (
     reader_voice,
     speaks_long,
 )
+from ross_sim.study.script_errors import told_in_a_line
 from ross_sim.study.training_voices import readers, recipes, synthetic
 from ross_sim.study.voice_augmentation import excerpt
 from ross_sim.study.voice_calibration import Corpus, calibrated
@@ -140,7 +140,7 @@ def corpora(base: Mapping[str, Real], folds: Mapping[str, int], speech: Path, wo
 @click.argument("out", type=click.Path(path_type=Path))
 def main(folder: Path, speech: Path, work: Path, seed: int, out: Path) -> None:
     """Train, calibrate and write the model."""
-    try:
+    with told_in_a_line():
         with threadpool_limits(1):
             base, voices = talkers(folder, seed)
             folds = folds_of(base, seed)
@@ -149,8 +149,6 @@ def main(folder: Path, speech: Path, work: Path, seed: int, out: Path) -> None:
             parameters, lines = calibrated(learnt, people)
             content = encode_model(parameters)
         write_whole(out, content)
-    except RossError as error:
-        raise click.ClickException(str(error)) from error
     read = read_model(content, out.name)
     click.echo("\n".join(lines))
     click.echo(f"{out.name}: {len(content) / 1000:.0f} kB, {read.fingerprint}, {read.calibration}")

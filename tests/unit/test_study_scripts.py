@@ -1,0 +1,48 @@
+"""Scripts of the studies, on a user's mistake: one line that says what was expected, and exit code 2."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from ross_payload.errors import OutputError
+from ross_sim.study import live_separation, predicted_gain_study, separation_cost, train_refiner, train_voiceprint
+from ross_sim.study.script_errors import told_in_a_line
+
+MISTAKES = [
+    pytest.param(train_refiner.main, ["--readers", "{none}", "--work", "{work}", "{out}"], "none", id="train_refiner"),
+    pytest.param(
+        train_voiceprint.main,
+        ["--readers", "{none}", "--speech", "{none}", "--work", "{work}", "{out}"],
+        "none",
+        id="train_voiceprint",
+    ),
+    pytest.param(predicted_gain_study.main, ["--speech", "{none}"], "none", id="predicted_gain_study"),
+    pytest.param(predicted_gain_study.main, ["--rooms", "S9"], "room 'S9' is unknown", id="room"),
+    pytest.param(predicted_gain_study.main, ["--k", "three"], "'three' is not a list of int", id="k"),
+    pytest.param(live_separation.main, ["{out}", "--speech", "{none}"], "none", id="live_separation"),
+    pytest.param(live_separation.main, ["{out}"], "expected rows of the study", id="no rows"),
+    pytest.param(live_separation.main, ["{out}", "--settings", "S1,S9"], "room 'S9' is unknown", id="setting"),
+    pytest.param(separation_cost.main, ["--speech", "{none}"], "none", id="separation_cost"),
+]
+
+
+@pytest.mark.parametrize(("command", "arguments", "said"), MISTAKES)
+def test_a_mistake_ends_with_one_line_and_exit_code_2(
+    command: click.Command, arguments: list[str], said: str, tmp_path: Path
+) -> None:
+    paths = {name: str(tmp_path / name) for name in ("none", "work", "out")}
+    done = CliRunner().invoke(command, [argument.format(**paths) for argument in arguments])
+    (line,) = [line for line in done.output.splitlines() if line.startswith("Error: ")]
+    assert said in line
+    assert done.exit_code == 2
+    assert not (tmp_path / "out").exists()
+
+
+def test_results_that_cannot_be_written_end_with_exit_code_1() -> None:
+    with pytest.raises(click.ClickException, match="full") as ended, told_in_a_line():
+        raise OutputError("full")
+    assert ended.value.exit_code == 1
