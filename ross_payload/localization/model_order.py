@@ -27,6 +27,8 @@ REACH = (1.0, 0.75, 0.5)  # amplitudes tried, as a share of the directness
 STEEP = (1.0, 0.75, 0.5, 0.3, 0.15)  # the same below a vehicle, as a share of the greatest amplitude there can be
 ASIDE = np.deg2rad(14.0)  # half of the angle between the two that one source is split into [rad]
 MOVED = np.deg2rad(20.0)  # a source that is moved goes further than this [rad]
+MERGED = np.deg2rad(10.0)  # a new source that comes nearer than this [rad] to another explains nothing of its own ...
+MERGERS = 5  # ... and with so many the search ends
 TIED = (
     1e-3  # [nat]; gains that differ by less are equal: one heading does not tell 60 degrees aside from 60 degrees below
 )
@@ -139,7 +141,7 @@ def rearrange(data: Data, model: Mixture, price: Price, rounds: int = 2) -> Mixt
     for _ in range(rounds):
         worth, reduced = worths(data, model, 3)
         least = np.argsort(worth)[:3]
-        moved = [_added(data, reduced[k], price, float(model.azimuths[k]))[0] for k in least]
+        moved = [_added(data, reduced[k], price, [float(model.azimuths[k])])[0] for k in least]
         fewer = reduced[least[0]]
         halves = [itd_mixture.split(fewer, k, ASIDE, price.width) for k in range(len(fewer.azimuths))]
         tried, likelihoods = _refined(data, [*moved, *halves], 10)
@@ -158,24 +160,28 @@ def _refined(data: Data, models: Sequence[Mixture], rounds: int) -> tuple[list[M
 
 
 def _grow(data: Data, price: Price) -> Mixture:
-    """Add sources where the likelihood gains most."""
-    model = itd_mixture.empty(data)
-    for _ in range(MAX_SOURCES + SPARE):
-        added, gain = _added(data, model, price)
+    """Add sources where the likelihood gains most, but not again where one has merged with another."""
+    model, merged = itd_mixture.empty(data), list[float]()
+    while len(model.azimuths) < MAX_SOURCES + SPARE and len(merged) < MERGERS:
+        added, gain = _added(data, model, price, merged)
         if gain < HOPEFUL * price.of(data, model):
             break
-        model = itd_mixture.refine(data, added, 8)
+        grown = itd_mixture.refine(data, added, 8)
+        if _apart(grown).min(initial=np.inf) < MERGED:
+            merged.append(float(added.azimuths[-1]))
+        else:
+            model = grown
     return itd_mixture.refine(data, model, 20)
 
 
-def _added(data: Data, model: Mixture, price: Price, not_at: float | None = None) -> tuple[Mixture, float]:
-    """The model with a source more where it gains most, but not near ``not_at`` [rad], and the gain [nat]."""
+def _added(data: Data, model: Mixture, price: Price, not_at: Sequence[float]) -> tuple[Mixture, float]:
+    """The model with a source more where it gains most, but not near one of ``not_at`` [rad], and the gain [nat]."""
     least, greatest = data.amplitudes
     tried = np.multiply(STEEP, greatest) if data.aloft else np.multiply(REACH, model.directness)
     azimuths, amplitudes = np.tile(GRID, len(tried)), np.maximum(np.repeat(tried, len(GRID)), least)
     gain, share = itd_mixture.gains(data, model, (azimuths, amplitudes), price.width)
-    if not_at is not None:
-        gain = np.where(np.abs(difference(azimuths, not_at)) < MOVED, -np.inf, gain)
+    for place in not_at:
+        gain = np.where(np.abs(difference(azimuths, place)) < MOVED, -np.inf, gain)
     best = int((gain >= gain.max() - TIED).argmax())  # the first: as direct as the room allows
     shares = np.maximum(share[:, best], 0.01)
     added = itd_mixture.add(model, float(azimuths[best]), float(amplitudes[best]), price.width, shares)

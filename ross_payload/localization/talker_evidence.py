@@ -2,9 +2,10 @@
 
 A ghost lives on the misfit of the model. It is worth little, at few headings, in the strict histograms less than in
 the rich ones, and it has no voice of its own: it sounds whenever a loud talker does, as the reflection of one must, and
-hardly ever alone. A talker has blocks of 50 ms to himself. Two logistic regressions weigh this: one for the source that
-is worth least, on whether there are as many talkers as sources; one for every source that is left. Their weights were
-fitted to simulated rooms by `ross_sim.study.fit_talker_evidence`.
+hardly ever alone. A talker has blocks of 50 ms to himself. Boosted trees weigh this for the source that is worth least:
+are there as many talkers as sources? A logistic regression, `source`, weighs it for every source that is left. Among
+the noise of a vehicle, and below one, where trees have not been fitted, another regression, `count`, stands for them.
+All were fitted to simulated rooms by `ross_sim.study.fit_talker_evidence` and `fit_evidence_in_noise`.
 """
 
 from __future__ import annotations
@@ -14,12 +15,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from typing import Protocol
 
 import numpy as np
 
 from ross_payload.angles import difference
 from ross_payload.interfaces import Real
 from ross_payload.localization import itd_mixture
+from ross_payload.localization.boosted_trees import BoostedTrees, read_trees
 from ross_payload.localization.itd_mixture import OTHERS, TINY, Data
 from ross_payload.localization.model_order import Step, wetness
 
@@ -30,7 +33,8 @@ NEAR = np.deg2rad(35.0)  # a source between two that are nearer than this may be
 ALONE = 0.7  # a bin of the histograms is a source's own when this share of it is
 FIRST = -3.0  # log of worth over price before the first step
 STEADIEST = 20.0  # bound of the steadiness of a gain over the headings
-WHITE = "talker_evidence.json"  # weights for noise that is white
+WHITE, TREES = "talker_evidence.json", "talker_evidence.npz"  # for noise that is white
+PACKAGE = "ross_payload.localization"
 LIKELY = 0.5  # probability above which there are as many talkers as sources
 
 DESCRIBED = (
@@ -75,6 +79,13 @@ class Evidence:
         return self.among is not None and not self.rich.aloft
 
 
+class Classifier(Protocol):
+    """What gives a probability."""
+
+    def probability(self, features: Real) -> Real:
+        """Probability for every row of ``features`` (n, n_features), (n,)."""
+
+
 @dataclass(frozen=True, slots=True)
 class Logistic:
     """A logistic regression on `FEATURES`."""
@@ -91,8 +102,14 @@ class Logistic:
 def fitted(name: str, *, in_noise: bool = False) -> Logistic:
     """The regression ``count`` or ``source`` with the weights of this package; others among the noise of a vehicle."""
     file, features = ("talker_evidence_in_noise.json", FEATURES + IN_NOISE) if in_noise else (WHITE, FEATURES)
-    found = json.loads(files("ross_payload.localization").joinpath(file).read_text(encoding="utf-8"))[name]
+    found = json.loads(files(PACKAGE).joinpath(file).read_text(encoding="utf-8"))[name]
     return Logistic(float(found["intercept"]), np.array([found["weights"][feature] for feature in features]))
+
+
+@cache
+def trees() -> BoostedTrees:
+    """The trees of this package, on the first of the `FEATURES`, `DESCRIBED`."""
+    return read_trees(files(PACKAGE).joinpath(TREES).read_bytes(), TREES)
 
 
 def together(every: Sequence[Among | None]) -> Among | None:
@@ -108,7 +125,10 @@ def likely(evidence: Evidence, step: Step, rival: float) -> float:
 
     Below a vehicle every source must be somebody, too: what rotors leave over is steady there, and worth much.
     """
-    least = fitted("count", in_noise=evidence.in_noise).probability(features(evidence, step, rival, [step.least]))
+    described = features(evidence, step, rival, [step.least])
+    if not (evidence.in_noise or evidence.rich.aloft):
+        return float(trees().probability(described)[0])
+    least = fitted("count", in_noise=evidence.in_noise).probability(described)
     if not evidence.rich.aloft:
         return float(least[0])
     every = fitted("source").probability(features(evidence, step, rival, range(len(step.worth))))

@@ -3,16 +3,33 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
-from ross_payload.localization.talker_evidence import FEATURES, Logistic
+from ross_payload.localization.talker_evidence import FEATURES, Classifier, Logistic
 from ross_sim.study import evidence_scenes
-from ross_sim.study.fit_talker_evidence import Descent, Row, chosen, encoded, fitted, owned, readers, report
+from ross_sim.study.fit_talker_evidence import (
+    LEAVES,
+    RATE_OF_LEARNING,
+    Descent,
+    Row,
+    chosen,
+    count_by_regression,
+    count_by_trees,
+    encoded,
+    fit_source,
+    fit_trees,
+    owned,
+    picked_by,
+    readers,
+    report,
+)
 
 pytestmark = pytest.mark.lockstep
 RATE = evidence_scenes.RATE
@@ -47,7 +64,9 @@ def test_talkers_of_a_scene_are_apart(few: None) -> None:
     azimuths, responses = evidence_scenes.simulated("S1", 5)
     for seed in range(5):
         rng = np.random.default_rng(seed)
-        _, places = evidence_scenes.mixed(azimuths, responses, voices(5), 4, odd=True, rng=rng)
+        _, places = evidence_scenes.mixed(
+            azimuths, responses, voices(5), 4, levels=evidence_scenes.Levels.ONE_SOFT, rng=rng
+        )
         apart = np.abs(np.angle(np.exp(1j * (places[:, None] - places)))) + 9 * np.eye(4)
         assert apart.min() >= evidence_scenes.APART
 
@@ -73,17 +92,42 @@ def made_up(n: int) -> list[Descent]:
     return found
 
 
-def test_the_regressions_learn_who_is_somebody() -> None:
-    models, picked = fitted(made_up(60))
+@pytest.mark.parametrize("count_of", [count_by_trees, count_by_regression])
+def test_what_is_fitted_learns_who_is_somebody(count_of: Callable[[Sequence[Descent]], Classifier]) -> None:
+    found = made_up(60)
+    picked = picked_by(found, count_of)
     right = [row is not None and len(row.somebody) == 2 for _, row in picked]
     assert np.mean(right) > 0.8
     probable = np.zeros((2, len(FEATURES)))
     probable[:, 0] = [-2.0, 2.0]
-    for model in models.values():
+    for model in (count_of(found), fit_source(picked)):
         low, high = model.probability(probable)
         assert low < 0.3
         assert high > 0.7
     assert "12 rotations: S1 K2 " in report(picked)
+
+
+def test_trees_say_what_those_of_scikit_learn_say() -> None:
+    """Also where a feature is exactly at a threshold; what is fitted and what is asked have single precision."""
+    from sklearn.ensemble import GradientBoostingClassifier
+
+    rng = np.random.default_rng(2)
+    features = rng.integers(0, 12, (600, 5)) / 7.0
+    true = features[:, 0] + features[:, 1] * features[:, 2] + 0.3 * rng.standard_normal(600) > 1.5
+    weights, seen = rng.uniform(0.3, 1.0, 600), []
+    fit = GradientBoostingClassifier.fit
+
+    def kept(model: GradientBoostingClassifier, *args: Any, **named: Any) -> GradientBoostingClassifier:
+        seen.append(fit(model, *args, **named))
+        return seen[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(GradientBoostingClassifier, "fit", kept)
+        trees = fit_trees(features, true, weights)
+    asked = np.concatenate([features, rng.integers(0, 24, (600, 5)) / 14.0])
+    np.testing.assert_allclose(trees.probability(asked), seen[0].predict_proba(asked)[:, 1], atol=1e-6)
+    assert trees.feature.shape[1] <= 2 * LEAVES - 1
+    assert seen[0].learning_rate == RATE_OF_LEARNING
 
 
 def test_nothing_is_chosen_when_nothing_is_likely() -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,15 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Observation, Samples
 from ross_payload.localization.joint import Joint
 from ross_payload.localization.talker_evidence import FEATURES, IN_NOISE
-from ross_sim.study.fit_talker_evidence import Descent, descents_of, encoded, fitted, report
+from ross_sim.study.fit_talker_evidence import (
+    Descent,
+    count_by_regression,
+    descents_of,
+    encoded,
+    fit_source,
+    picked_by,
+    report,
+)
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.noise_scenes import NoiseScene, recordings, scene
 from ross_sim.study.noise_study import observed
@@ -84,7 +93,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for heard in noisy_scenes(voices, clips, asked.scenes, asked.seed):
             seen = observed(heard)
             every += [] if seen is None else descents(heard, seen, joint)
-    models, picked = fitted(every, PENALTY)
+    picked = picked_by(every, partial(count_by_regression, penalty=PENALTY))
+    models = {"count": count_by_regression(every, PENALTY), "source": fit_source(picked, PENALTY)}
     about = f"{len(every) // len(ROTATIONS)} scenes in the noise of a vehicle, {len(voices)} talkers, seed {asked.seed}"
     write_whole(asked.out, encoded(models, about, FEATURES + IN_NOISE))
     sys.stdout.write(f"{about}\n{report(picked, ROTATIONS)}\n")

@@ -12,8 +12,9 @@ import argparse
 import csv
 import json
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import cast
 
@@ -26,8 +27,9 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Explorer, Observation, Real, Samples
 from ross_payload.localization import model_order, talker_evidence
+from ross_payload.localization.boosted_trees import LEAF, BoostedTrees, encode_trees
 from ross_payload.localization.joint import Joint
-from ross_payload.localization.talker_evidence import FEATURES, LIKELY, Logistic
+from ross_payload.localization.talker_evidence import DESCRIBED, FEATURES, LIKELY, Classifier, Logistic
 from ross_sim.study.evidence_scenes import HEADINGS, ROOMS, EvidenceScene, scenes
 from ross_sim.study.exploration import FRAME, NEAR_DEG, observed
 from ross_sim.study.mixtures import RATE
@@ -35,10 +37,14 @@ from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.talkers.speech import load_folder, read
 
 ROTATIONS = (2, 4, 8, 12)
+SEEDS = (9000, 9001)
 FEWEST = 9.0  # of speech [s]
 MOST = 5  # talkers of one scene
 FOLDS = 6
 PENALTY = 5.0  # inverse of the strength of the penalty on standardised weights
+N_TREES, RATE_OF_LEARNING = 200, 0.06
+LEAVES, FEWEST_ROWS = 24, 20  # of a tree; of a leaf
+ROWS_TRIED, FEATURES_TRIED = 0.5, 0.3  # shares of rows for a tree, and of features for a decision
 FURTHER, HAUNTED = 0.4, 0.3  # weights of mixtures of another order, and of those with a ghost
 DIGITS = 5
 
@@ -103,20 +109,61 @@ def fit(features: Real, true: Real, weights: Real, penalty: float = PENALTY) -> 
     return Logistic(float(model.intercept_[0] - slopes @ mean), slopes)
 
 
-def fit_count(found: Sequence[Descent], penalty: float = PENALTY) -> Logistic:
-    """Whether there are as many talkers as sources, from mixtures of about the right order; that order counts most.
+def fit_trees(features: Real, true: Real, weights: Real) -> BoostedTrees:
+    """Stochastic gradient boosting (Friedman 2002)."""
+    from sklearn.ensemble import GradientBoostingClassifier  # noqa: PLC0415  takes a second
 
-    Mixtures that are not too large and yet hold a ghost count little: they are right about K by chance.
+    model = GradientBoostingClassifier(
+        n_estimators=N_TREES, learning_rate=RATE_OF_LEARNING, max_leaf_nodes=LEAVES, max_depth=None,
+        min_samples_leaf=FEWEST_ROWS, subsample=ROWS_TRIED, max_features=FEATURES_TRIED, init="zero", random_state=0,
+    ).fit(features, true, sample_weight=weights)  # fmt: skip
+    trees = [tree.tree_ for tree in model.estimators_[:, 0]]
+    n_nodes = max(tree.node_count for tree in trees)
+
+    def padded(arrays: Sequence[Real], fill: int, kind: type[np.generic]) -> Real:
+        return np.stack([np.pad(a, (0, n_nodes - len(a)), constant_values=fill) for a in arrays]).astype(kind)
+
+    return BoostedTrees(
+        feature=padded([np.where(tree.children_left < 0, LEAF, tree.feature) for tree in trees], LEAF, np.int8),
+        threshold=padded([_at_most(tree.threshold) for tree in trees], 0, np.float32),
+        low=padded([tree.children_left for tree in trees], LEAF, np.int8),
+        high=padded([tree.children_right for tree in trees], LEAF, np.int8),
+        log_odds=padded([RATE_OF_LEARNING * tree.value[:, 0, 0] for tree in trees], 0, np.float32),
+    )
+
+
+def _at_most(thresholds: Real) -> Real:
+    """The largest numbers of single precision that are not above some of double precision."""
+    single = thresholds.astype(np.float32)
+    return np.where(single > thresholds, np.nextafter(single, np.float32(-np.inf)), single)
+
+
+def count_by_trees(found: Sequence[Descent]) -> BoostedTrees:
+    """Whether there are as many talkers as sources."""
+    features, true, weights = about_the_order(found)
+    return fit_trees(features[:, : len(DESCRIBED)], true, weights)  # trees need no products
+
+
+def count_by_regression(found: Sequence[Descent], penalty: float = PENALTY) -> Logistic:
+    """Whether there are as many talkers as sources, as `count_by_trees`."""
+    return fit(*about_the_order(found), penalty)
+
+
+def about_the_order(found: Sequence[Descent]) -> tuple[Real, Real, Real]:
+    """What counting is learnt from: the source worth least of every mixture of about the right order.
+
+    Features (n, n_features), whether there are as many talkers as sources (n,), and weights (n,): that order counts
+    most. Mixtures that are not too large and yet hold a ghost count little: they are right about K by chance.
     """
     rows = [(row, descent.talkers - len(row.somebody)) for descent in found for row in descent.rows]
     near = [(row, fewer) for row, fewer in rows if -2 <= fewer <= 1]
     order = np.array([1.0 if fewer in (0, -1) else FURTHER for _, fewer in near])
     haunted = np.array([fewer >= 0 and not row.somebody.all() for row, fewer in near])
     features = np.stack([row.features[row.least] for row, _ in near])
-    return fit(features, np.array([fewer >= 0 for _, fewer in near]), order * np.where(haunted, HAUNTED, 1.0), penalty)
+    return features, np.array([fewer >= 0 for _, fewer in near]), order * np.where(haunted, HAUNTED, 1.0)
 
 
-def chosen(descent: Descent, count: Logistic) -> Row | None:
+def chosen(descent: Descent, count: Classifier) -> Row | None:
     """The mixture that the explorer would choose."""
     for row in descent.rows:
         if count.probability(row.features[[row.least]])[0] >= LIKELY:
@@ -124,20 +171,24 @@ def chosen(descent: Descent, count: Logistic) -> Row | None:
     return None
 
 
-def fitted(
-    found: Sequence[Descent], penalty: float = PENALTY
-) -> tuple[dict[str, Logistic], list[tuple[Descent, Row | None]]]:
-    """Both regressions, and what `count` chose in every scene by weights from other scenes."""
+def picked_by(
+    found: Sequence[Descent], count_of: Callable[[Sequence[Descent]], Classifier]
+) -> list[tuple[Descent, Row | None]]:
+    """What is chosen in every scene by what was fitted to other scenes."""
     names = sorted({descent.scene for descent in found})
     fold = {name: index % FOLDS for index, name in enumerate(np.random.default_rng(0).permutation(names))}
     picked: list[tuple[Descent, Row | None]] = []
     for index in range(FOLDS):
-        count = fit_count([descent for descent in found if fold[descent.scene] != index], penalty)
+        count = count_of([descent for descent in found if fold[descent.scene] != index])
         picked += [(descent, chosen(descent, count)) for descent in found if fold[descent.scene] == index]
+    return picked
+
+
+def fit_source(picked: Sequence[tuple[Descent, Row | None]], penalty: float = PENALTY) -> Logistic:
+    """Whether somebody is near a source of the mixtures that were chosen."""
     rows = [row for _, row in picked if row is not None]
     features, true = np.concatenate([row.features for row in rows]), np.concatenate([row.somebody for row in rows])
-    both = {"count": fit_count(found, penalty), "source": fit(features, true, np.ones(len(true)), penalty)}
-    return both, picked
+    return fit(features, true, np.ones(len(true)), penalty)
 
 
 def report(picked: Sequence[tuple[Descent, Row | None]], every: Sequence[int] = ROTATIONS) -> str:
@@ -192,9 +243,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Fit, and write the weights."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="recordings of talkers")
-    parser.add_argument("out", type=Path, metavar="OUT.json")
+    parser.add_argument("out", type=Path, metavar="OUT.json", help="regressions")
+    parser.add_argument("out_trees", type=Path, metavar="OUT.npz", help="trees")
     parser.add_argument("--rooms", nargs="+", choices=ROOMS, default=list(ROOMS))
-    parser.add_argument("--seed", type=int, default=9000)
+    parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
     parser.add_argument("--keep", type=Path, help="folder in which scenes are kept")
     asked = parser.parse_args(arguments)
     try:
@@ -205,13 +257,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         asked.keep.mkdir(parents=True, exist_ok=True)
     joint = Joint(SPACING, SPEED_OF_SOUND)
     with threadpool_limits(1):
-        heard = scenes(asked.rooms, voices, asked.seed, asked.keep)
+        heard = chain.from_iterable(scenes(asked.rooms, voices, seed, asked.keep) for seed in asked.seeds)
         every = [descent for scene in heard for descent in descents(scene, joint)]
-    models, picked = fitted(every)
+        picked = picked_by(every, count_by_trees)
+        regressions, trees = {"count": count_by_regression(every), "source": fit_source(picked)}, count_by_trees(every)
     about = (
-        f"{len(every) // len(ROTATIONS)} scenes in {', '.join(asked.rooms)}, {len(voices)} talkers, seed {asked.seed}"
+        f"{len(every) // len(ROTATIONS)} scenes in {', '.join(asked.rooms)}, {len(voices)} talkers, "
+        f"seeds {', '.join(map(str, asked.seeds))}"
     )
-    write_whole(asked.out, encoded(models, about))
+    write_whole(asked.out, encoded(regressions, about))
+    write_whole(asked.out_trees, encode_trees(trees))
     sys.stdout.write(f"{about}\n{report(picked)}\n")
     return 0
 

@@ -27,6 +27,8 @@ CODE: Code = {  # what the numbers depend on: everything that a mission in lock-
     ross_payload: (
         *(f"{room}/*.py" for room in ("config", "dsp", "localization", "separation", "alignment", "voiceprint")),
         *(f"{room}/*.py" for room in ("mission", "actuators", "actuators/tb6600", "mount")),
+        "localization/*.json",
+        "localization/*.npz",
         "separation/*.npz",
         "voiceprint/*.npz",
         "service/assemble.py",

@@ -35,6 +35,7 @@ FINGERPRINTED: Code = {  # so do these parts of the code
         *(f"{room}/*.py" for room in ("dsp", "localization", "separation", "alignment")),
         "separation/*.npz",
         "localization/*.json",
+        "localization/*.npz",
         "plugin_checks.py",
         "angles.py",
     ),
