@@ -1,17 +1,15 @@
 """Explorations with known talkers to fit `ross_payload.localization.talker_evidence` to.
 
 Around the array in every room, 36 places are simulated once; every scene puts talkers into some of them. The rooms are
-those of `room_settings`, two more with the array off their middle, and the open with talkers below the array. In two of
-four scenes all talkers are equally loud and the noise is 15 dB below them; in the third one talker is 4 to 12 dB softer
-than the others; in the fourth they differ by up to 6 dB, and the noise is 8 to 25 dB below. Scenes can be kept in a
-folder.
+those of `room_settings`, two more with the array off their middle, and the open with talkers below the array. In three
+of four scenes all talkers are equally loud and the noise is 15 dB below them; in the fourth they differ by up to 6 dB,
+and the noise is 8 to 25 dB below. Scenes can be kept in a folder.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import Enum, auto
 from itertools import product
 from pathlib import Path
 
@@ -30,21 +28,9 @@ HEADINGS = STEP * np.arange(13)
 SCENES = {1: 6, 2: 18, 3: 36, 4: 42, 5: 48}  # in every true room, by the number of talkers
 IN_PLANES = {1: 2, 2: 5, 3: 8, 4: 8, 5: 10}
 SILENT = 12  # scenes of noise alone
-LOUDER_DB, SNRS_DB = 3.0, (8.0, 25.0)  # of scenes in which levels differ
-SOFTER_DB = (4.0, 12.0)  # one talker than the others
+LOUDER_DB, SNRS_DB = 3.0, (8.0, 25.0)  # of every fourth scene
 LEVEL = 0.05  # root mean square of what is kept, of full scale
 FULL = 32767
-
-
-class Levels(Enum):
-    """How loud the talkers of a scene are."""
-
-    EQUAL = auto()
-    ONE_SOFT = auto()
-    DIFFERING = auto()
-
-
-LEVELS = (Levels.EQUAL, Levels.ONE_SOFT, Levels.EQUAL, Levels.DIFFERING)  # of one scene after the other
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +76,7 @@ def scenes(rooms: Sequence[str], voices: Sequence[Samples], seed: int, folder: P
             path = None if folder is None else folder / name
             if path is None or not path.exists():
                 rng = np.random.default_rng([seed, _number(room), k, n])
-                heard, places = mixed(azimuths, responses, voices, k, levels=LEVELS[n % 4], rng=rng)
+                heard, places = mixed(azimuths, responses, voices, k, odd=n % 4 == 3, rng=rng)
                 if path is not None:
                     np.savez(path, allow_pickle=False, x=heard, az=places)
             else:
@@ -113,7 +99,7 @@ def simulated(room: str, seed: int) -> tuple[Real, Samples]:
 
 
 def mixed(
-    azimuths: Real, responses: Samples, voices: Sequence[Samples], k: int, *, levels: Levels, rng: np.random.Generator
+    azimuths: Real, responses: Samples, voices: Sequence[Samples], k: int, *, odd: bool, rng: np.random.Generator
 ) -> tuple[Real, Real]:
     """What both microphones hear of ``k`` random voices, 16 bits, and the azimuths [rad], (k,).
 
@@ -122,11 +108,8 @@ def mixed(
     chosen = rng.permutation(len(azimuths))[:k]
     while _nearest(azimuths[chosen]) < APART:
         chosen = rng.permutation(len(azimuths))[:k]
-    differing = levels is Levels.DIFFERING
-    louder = 10 ** (rng.uniform(-LOUDER_DB, LOUDER_DB, k) / 20) if differing else np.ones(k)
-    snr = rng.uniform(*SNRS_DB) if differing else SNR_DB
-    if levels is Levels.ONE_SOFT:
-        louder[0] = 10 ** (-rng.uniform(*SOFTER_DB) / 20)
+    louder = 10 ** (rng.uniform(-LOUDER_DB, LOUDER_DB, k) / 20) if odd else np.ones(k)
+    snr = rng.uniform(*SNRS_DB) if odd else SNR_DB
     talkers = [voices[index] for index in rng.permutation(len(voices))[:k]]
     unit, before = round(UNIT * RATE), round(BEFORE * RATE)
     n = scipy.fft.next_fast_len(unit + before + responses.shape[-1] - 1, real=True)
