@@ -64,9 +64,7 @@ def test_talkers_of_a_scene_are_apart(few: None) -> None:
     azimuths, responses = evidence_scenes.simulated("S1", 5)
     for seed in range(5):
         rng = np.random.default_rng(seed)
-        _, places = evidence_scenes.mixed(
-            azimuths, responses, voices(5), 4, odd=True, rng=rng
-        )
+        _, places = evidence_scenes.mixed(azimuths, responses, voices(5), 4, odd=True, rng=rng)
         apart = np.abs(np.angle(np.exp(1j * (places[:, None] - places)))) + 9 * np.eye(4)
         assert apart.min() >= evidence_scenes.APART
 
