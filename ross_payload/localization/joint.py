@@ -170,7 +170,7 @@ class Joint:
         """The largest mixture for which it is likely that there are as many talkers, with the likeliest larger one."""
         second: Fit | None = None
         for fit in self._fits(evidence):
-            if fit.likely >= evidence.enough:
+            if fit.likely >= talker_evidence.LIKELY:
                 return replace(fit, second=second)
             second = _likelier(second, fit)
         return None

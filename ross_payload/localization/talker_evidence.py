@@ -35,8 +35,7 @@ FIRST = -3.0  # log of worth over price before the first step
 STEADIEST = 20.0  # bound of the steadiness of a gain over the headings
 WHITE, TREES = "talker_evidence.json", "talker_evidence.npz"  # for noise that is white
 PACKAGE = "ross_payload.localization"
-LIKELY = 0.6  # probability from which on there are as many talkers as sources: five at once are rarer than three
-LIKELY_BY_REGRESSION = 0.5  # the same where the regression `count` stands for the trees
+LIKELY = 0.5  # probability above which there are as many talkers as sources
 
 DESCRIBED = (
     "worth", "second", "rival", "evidence", "evidence_squared", "headings", "sources", "single",
@@ -78,16 +77,6 @@ class Evidence:
     def in_noise(self) -> bool:
         """Whether the weights for the noise of a vehicle serve; far below one nobody has fitted them."""
         return self.among is not None and not self.rich.aloft
-
-    @property
-    def counted_by_trees(self) -> bool:
-        """Whether the trees count; where they have not been fitted a regression does."""
-        return self.among is None and not self.rich.aloft
-
-    @property
-    def enough(self) -> float:
-        """Probability from which on there are as many talkers as sources."""
-        return LIKELY if self.counted_by_trees else LIKELY_BY_REGRESSION
 
 
 class Classifier(Protocol):
@@ -137,7 +126,7 @@ def likely(evidence: Evidence, step: Step, rival: float) -> float:
     Below a vehicle every source must be somebody, too: what rotors leave over is steady there, and worth much.
     """
     described = features(evidence, step, rival, [step.least])
-    if evidence.counted_by_trees:
+    if not (evidence.in_noise or evidence.rich.aloft):
         return float(trees().probability(described)[0])
     least = fitted("count", in_noise=evidence.in_noise).probability(described)
     if not evidence.rich.aloft:

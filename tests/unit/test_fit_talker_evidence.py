@@ -130,7 +130,7 @@ def test_trees_say_what_those_of_scikit_learn_say() -> None:
 
 def test_nothing_is_chosen_when_nothing_is_likely() -> None:
     never = Logistic(-30.0, np.zeros(len(FEATURES)))
-    assert chosen(made_up(1)[0], never, 0.5) is None
+    assert chosen(made_up(1)[0], never) is None
 
 
 def test_the_file_is_what_the_package_reads(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Observation, Samples
 from ross_payload.localization.joint import Joint
-from ross_payload.localization.talker_evidence import FEATURES, IN_NOISE, LIKELY_BY_REGRESSION
+from ross_payload.localization.talker_evidence import FEATURES, IN_NOISE
 from ross_sim.study.fit_talker_evidence import (
     Descent,
     count_by_regression,
@@ -93,7 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for heard in noisy_scenes(voices, clips, asked.scenes, asked.seed):
             seen = observed(heard)
             every += [] if seen is None else descents(heard, seen, joint)
-    picked = picked_by(every, partial(count_by_regression, penalty=PENALTY), LIKELY_BY_REGRESSION)
+    picked = picked_by(every, partial(count_by_regression, penalty=PENALTY))
     models = {"count": count_by_regression(every, PENALTY), "source": fit_source(picked, PENALTY)}
     about = f"{len(every) // len(ROTATIONS)} scenes in the noise of a vehicle, {len(voices)} talkers, seed {asked.seed}"
     write_whole(asked.out, encoded(models, about, FEATURES + IN_NOISE))

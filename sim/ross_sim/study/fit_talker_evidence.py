@@ -163,16 +163,16 @@ def about_the_order(found: Sequence[Descent]) -> tuple[Real, Real, Real]:
     return features, np.array([fewer >= 0 for _, fewer in near]), order * np.where(haunted, HAUNTED, 1.0)
 
 
-def chosen(descent: Descent, count: Classifier, likely: float) -> Row | None:
+def chosen(descent: Descent, count: Classifier) -> Row | None:
     """The mixture that the explorer would choose."""
     for row in descent.rows:
-        if count.probability(row.features[[row.least]])[0] >= likely:
+        if count.probability(row.features[[row.least]])[0] >= LIKELY:
             return row
     return None
 
 
 def picked_by(
-    found: Sequence[Descent], count_of: Callable[[Sequence[Descent]], Classifier], likely: float = LIKELY
+    found: Sequence[Descent], count_of: Callable[[Sequence[Descent]], Classifier]
 ) -> list[tuple[Descent, Row | None]]:
     """What is chosen in every scene by what was fitted to other scenes."""
     names = sorted({descent.scene for descent in found})
@@ -180,7 +180,7 @@ def picked_by(
     picked: list[tuple[Descent, Row | None]] = []
     for index in range(FOLDS):
         count = count_of([descent for descent in found if fold[descent.scene] != index])
-        picked += [(descent, chosen(descent, count, likely)) for descent in found if fold[descent.scene] == index]
+        picked += [(descent, chosen(descent, count)) for descent in found if fold[descent.scene] == index]
     return picked
 
 
