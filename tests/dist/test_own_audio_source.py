@@ -91,7 +91,7 @@ def test_a_source_that_breaks_a_rule_does_not_keep_it(folder, tmp_path):
     module = tmp_path / "site" / "command_source.py"
     module.write_text(
         module.read_text().replace(
-            "    return services.live(", "    Program(command, 2, print)\n    return services.live("
+            "    return services.live(", "    Program(command, 2, len)\n    return services.live("
         )
     )
     held = held_to_the_contract(tmp_path, source(folder), "-k", "making_one")
