@@ -6,11 +6,11 @@ of what all trees say.
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass, fields
 
 import numpy as np
 
+from ross_payload.array_files import decode_arrays, encode_arrays
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 
@@ -22,9 +22,9 @@ class BoostedTrees:
     """All trees, padded to as many nodes; node 0 is the root, and the children of a node come after it."""
 
     feature: Real  # that decides at every node, `LEAF` where there is no more to decide, (n_trees, n_nodes), integers
-    threshold: Real  # at most this: on to the child `low`, (n_trees, n_nodes), float32
-    low: Real  # (n_trees, n_nodes), integers
-    high: Real  # (n_trees, n_nodes), integers
+    threshold: Real  # at most this: on to the left child, (n_trees, n_nodes), float32
+    left: Real  # child, (n_trees, n_nodes), integers
+    right: Real  # child, (n_trees, n_nodes), integers
     log_odds: Real  # that a leaf adds, (n_trees, n_nodes), float32
 
     def probability(self, features: Real) -> Real:
@@ -32,8 +32,8 @@ class BoostedTrees:
         rows, trees = np.arange(len(features))[:, None], np.arange(len(self.feature))
         values, node = features.astype(np.float32), np.zeros((len(features), len(trees)), dtype=np.intp)
         while (deciding := self.feature[trees, node] != LEAF).any():
-            low = values[rows, self.feature[trees, node]] <= self.threshold[trees, node]
-            node = np.where(deciding, np.where(low, self.low[trees, node], self.high[trees, node]), node)
+            to_left = values[rows, self.feature[trees, node]] <= self.threshold[trees, node]
+            node = np.where(deciding, np.where(to_left, self.left[trees, node], self.right[trees, node]), node)
         total = self.log_odds[trees, node].sum(axis=1, dtype=float)
         return np.asarray(1 / (1 + np.exp(-np.clip(total, -30, 30))))
 
@@ -46,13 +46,11 @@ def read_trees(content: bytes, name: str) -> BoostedTrees:
     ConfigError
         When it is damaged or something else.
     """
-    try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            found = BoostedTrees(**{field.name: np.asarray(arrays[field.name]) for field in fields(BoostedTrees)})
-        sound = _ends(found)
-    except Exception as error:  # zipfile, zlib and numpy each have their own way to fail on damaged bytes
-        raise ConfigError(f"{name}: expected decision trees, got something else") from error
-    if not sound:
+    arrays, wanted = decode_arrays(content, name, "decision trees"), {field.name for field in fields(BoostedTrees)}
+    if arrays.keys() != wanted or len({array.shape for array in arrays.values()}) > 1 or arrays["feature"].ndim != 2:
+        raise ConfigError(f"{name}: expected decision trees, got something else")
+    found = BoostedTrees(**arrays)
+    if not _ends(found):
         raise ConfigError(f"{name}: expected decision trees, got nodes that lead back or nowhere")
     return found
 
@@ -60,13 +58,10 @@ def read_trees(content: bytes, name: str) -> BoostedTrees:
 def _ends(trees: BoostedTrees) -> bool:
     """Whether every path through every tree ends at a leaf."""
     deciding, node = trees.feature != LEAF, np.arange(trees.feature.shape[1])
-    onward = (np.minimum(trees.low, trees.high) > node) & (np.maximum(trees.low, trees.high) < len(node))
+    onward = (np.minimum(trees.left, trees.right) > node) & (np.maximum(trees.left, trees.right) < len(node))
     return bool((onward | ~deciding).all())
 
 
 def encode_trees(trees: BoostedTrees) -> bytes:
     """Write trees as arrays by name; no pickle."""
-    buffer = io.BytesIO()
-    arrays = {field.name: np.asarray(getattr(trees, field.name)) for field in fields(BoostedTrees)}
-    np.savez_compressed(buffer, allow_pickle=False, **arrays)
-    return buffer.getvalue()
+    return encode_arrays({field.name: getattr(trees, field.name) for field in fields(BoostedTrees)})

@@ -8,7 +8,6 @@ group: permuting groups permutes the outputs.
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -17,6 +16,7 @@ from importlib.resources import files
 import numpy as np
 from scipy.linalg.blas import sgemm
 
+from ross_payload.array_files import decode_arrays, encode_arrays
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 
@@ -255,18 +255,13 @@ def arrays_of(content: bytes, name: str) -> dict[str, Real]:
     ConfigError
         When it is damaged or something else.
     """
-    try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            return {key: np.asarray(arrays[key], np.float32) for key in arrays.files}
-    except Exception as error:  # zipfile, zlib and numpy each have their own way to fail on damaged bytes
-        raise ConfigError(f"{name}: expected the weights of a refiner, got something else") from error
+    arrays = decode_arrays(content, name, "the weights of a refiner")
+    return {key: np.asarray(array, np.float32) for key, array in arrays.items()}
 
 
 def encode_network(arrays: Mapping[str, Real]) -> bytes:
     """Write arrays by name in half precision; no pickle."""
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, allow_pickle=False, **{key: np.asarray(a, np.float16) for key, a in arrays.items()})
-    return buffer.getvalue()
+    return encode_arrays({key: np.asarray(array, np.float16) for key, array in arrays.items()})
 
 
 def network_of(arrays: Mapping[str, Real]) -> Network:

@@ -10,13 +10,13 @@ little. Together with the pitch they are projected to where talkers differ and r
 from __future__ import annotations
 
 import hashlib
-import io
 from dataclasses import dataclass, fields
 from functools import cache
 from importlib.resources import files
 
 import numpy as np
 
+from ross_payload.array_files import decode_arrays, encode_arrays
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint.embedding_print import (
@@ -161,11 +161,10 @@ def read_model(content: bytes, name: str) -> BuiltInModel:
     ConfigError
         When the bytes are no model of voices.
     """
-    wanted = [field.name for field in fields(Parameters)]
+    arrays, wanted = decode_arrays(content, name, "a model of voices"), [field.name for field in fields(Parameters)]
     try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-            return BuiltInModel(Parameters(**{key: arrays[key].astype(np.float64) for key in wanted}))
-    except Exception as error:  # zipfile, zlib and numpy each have their own way to fail on damaged bytes
+        return BuiltInModel(Parameters(**{key: arrays[key].astype(np.float64) for key in wanted}))
+    except (KeyError, ValueError, TypeError, AttributeError) as error:
         raise ConfigError(f"{name}: expected a model of voices: {error}") from error
 
 
@@ -174,6 +173,4 @@ def encode_model(parameters: Parameters) -> bytes:
     arrays = {field.name: np.asarray(getattr(parameters, field.name), np.float32) for field in fields(parameters)}
     arrays |= {name: arrays[name].astype(np.float16) for name in HALVED}
     arrays["loadings"] = np.clip(np.round(parameters.loadings), -127, 127).astype(np.int8)
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, allow_pickle=False, **arrays)
-    return buffer.getvalue()
+    return encode_arrays(arrays)

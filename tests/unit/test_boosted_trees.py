@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from ross_payload.array_files import encode_arrays
 from ross_payload.errors import ConfigError
 from ross_payload.localization import talker_evidence
 from ross_payload.localization.boosted_trees import LEAF, BoostedTrees, encode_trees, read_trees
@@ -15,8 +16,8 @@ from ross_payload.localization.talker_evidence import DESCRIBED
 BY_TWO = BoostedTrees(  # x0 <= 1: -1; else x1 <= 0.5: 0, more: 2. And a tree that is one leaf: 1
     feature=np.array([[0, LEAF, 1, LEAF, LEAF], [LEAF] * 5]),
     threshold=np.array([[1.0, 0, 0.5, 0, 0], [0] * 5], np.float32),
-    low=np.array([[1, LEAF, 3, LEAF, LEAF], [LEAF] * 5]),
-    high=np.array([[2, LEAF, 4, LEAF, LEAF], [LEAF] * 5]),
+    left=np.array([[1, LEAF, 3, LEAF, LEAF], [LEAF] * 5]),
+    right=np.array([[2, LEAF, 4, LEAF, LEAF], [LEAF] * 5]),
     log_odds=np.array([[0.0, -1.0, 0.0, 0.0, 2.0], [1.0, 0, 0, 0, 0]], np.float32),
 )
 
@@ -50,12 +51,19 @@ def test_damaged_files_are_refused_in_words(cut: int) -> None:
         read_trees(encode_trees(BY_TWO)[:cut], "trees.npz")
 
 
+def test_arrays_that_are_no_trees_are_refused() -> None:
+    shorter = dataclasses.replace(BY_TWO, threshold=BY_TWO.threshold[:, 1:])
+    for content in (encode_trees(shorter), encode_arrays({"feature": BY_TWO.feature})):
+        with pytest.raises(ConfigError, match="expected decision trees, got something else"):
+            read_trees(content, "trees.npz")
+
+
 @pytest.mark.parametrize("child", [0, 2, 5, LEAF])
 def test_trees_that_never_end_are_refused(child: int) -> None:
-    high = BY_TWO.high.copy()
-    high[0, 2] = child
+    right = BY_TWO.right.copy()
+    right[0, 2] = child
     with pytest.raises(ConfigError, match="lead back or nowhere"):
-        read_trees(encode_trees(dataclasses.replace(BY_TWO, high=high)), "trees.npz")
+        read_trees(encode_trees(dataclasses.replace(BY_TWO, right=right)), "trees.npz")
 
 
 def test_the_trees_of_the_package_ask_for_features_that_there_are() -> None:

@@ -15,8 +15,8 @@ from ross_payload.interfaces import Real
 from ross_payload.localization.talker_evidence import FEATURES, Classifier, Logistic
 from ross_sim.study import evidence_scenes
 from ross_sim.study.fit_talker_evidence import (
-    LEAVES,
-    RATE_OF_LEARNING,
+    LEARNING_RATE,
+    MAX_LEAVES,
     Descent,
     Row,
     chosen,
@@ -106,12 +106,14 @@ def test_what_is_fitted_learns_who_is_somebody(count_of: Callable[[Sequence[Desc
 
 
 def test_trees_say_what_those_of_scikit_learn_say() -> None:
-    """Also where a feature is exactly at a threshold; what is fitted and what is asked have single precision."""
+    """Also where features are next to each other in single precision, as which trees compare them."""
     from sklearn.ensemble import GradientBoostingClassifier
 
     rng = np.random.default_rng(2)
-    features = rng.integers(0, 12, (600, 5)) / 7.0
-    true = features[:, 0] + features[:, 1] * features[:, 2] + 0.3 * rng.standard_normal(600) > 1.5
+    features, next_to_each_other = rng.integers(0, 12, (600, 5)) / 7.0, rng.integers(0, 8, 600)
+    features[:, 3] = 4 + 4 * np.finfo(np.float32).eps * next_to_each_other
+    seen_as = features[:, 0] + features[:, 1] * features[:, 2] + 0.3 * next_to_each_other
+    true = seen_as + 0.3 * rng.standard_normal(600) > 2.5
     weights, seen = rng.uniform(0.3, 1.0, 600), []
     fit = GradientBoostingClassifier.fit
 
@@ -124,8 +126,8 @@ def test_trees_say_what_those_of_scikit_learn_say() -> None:
         trees = fit_trees(features, true, weights)
     asked = np.concatenate([features, rng.integers(0, 24, (600, 5)) / 14.0])
     np.testing.assert_allclose(trees.probability(asked), seen[0].predict_proba(asked)[:, 1], atol=1e-6)
-    assert trees.feature.shape[1] <= 2 * LEAVES - 1
-    assert seen[0].learning_rate == RATE_OF_LEARNING
+    assert trees.feature.shape[1] <= 2 * MAX_LEAVES - 1
+    assert seen[0].learning_rate == LEARNING_RATE
 
 
 def test_nothing_is_chosen_when_nothing_is_likely() -> None:

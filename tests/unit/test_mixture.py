@@ -114,6 +114,19 @@ def test_orders_fall_by_one_to_a_single_source() -> None:
     assert orders == list(range(orders[0], 0, -1))
 
 
+def test_sources_do_not_gather_around_a_loud_talker_whose_kernel_fits_badly() -> None:
+    """Reflections give his ITDs long tails; the search used to put seven of eight sources into them, at one place."""
+    talkers, grid = np.deg2rad([14.0, -120.0]), np.linspace(-1.5, 1.5, 121)
+    off = grid - 0.85 * np.cos(talkers[:, None, None] - HEADINGS[:, None])  # (2, n_headings, n_bins)
+    kernels = np.exp(-(np.abs(off / 0.12) ** 0.6))
+    loud, soft = np.array([30.0, 4.0])[:, None, None] * kernels / kernels.sum(axis=-1, keepdims=True)
+    largest = next(model_order.steps(itd_mixture.Data(grid, HEADINGS, loud + soft + 0.02), model_order.Price()))
+    assert largest.possible
+    assert len(largest.worth) < 4
+    apart = np.abs(difference(talkers[:, None], largest.model.azimuths)).min(axis=1)
+    assert np.rad2deg(apart).max() < 3
+
+
 def test_so_many_sources_are_fitted_as_are_told() -> None:
     data = heard(np.deg2rad([0.0, 100.0, -130.0]), np.ones(3), (0.08, 0.05), 100)
     assert [len(step.worth) for k in (2, 3) if (step := model_order.search(data, model_order.Price(), k))] == [2, 3]

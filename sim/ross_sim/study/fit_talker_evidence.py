@@ -42,9 +42,8 @@ FEWEST = 9.0  # of speech [s]
 MOST = 5  # talkers of one scene
 FOLDS = 6
 PENALTY = 5.0  # inverse of the strength of the penalty on standardised weights
-N_TREES, RATE_OF_LEARNING = 200, 0.06
-LEAVES, FEWEST_ROWS = 24, 20  # of a tree; of a leaf
-ROWS_TRIED, FEATURES_TRIED = 0.5, 0.3  # shares of rows for a tree, and of features for a decision
+N_TREES, LEARNING_RATE, SUBSAMPLE = 200, 0.06, 0.5  # the last: share of the rows that a tree is fitted to
+MAX_LEAVES, MIN_LEAF_ROWS, MAX_FEATURES = 24, 20, 0.3  # the last: share of the features tried at a node
 FURTHER, HAUNTED = 0.4, 0.3  # weights of mixtures of another order, and of those with a ghost
 DIGITS = 5
 
@@ -114,8 +113,8 @@ def fit_trees(features: Real, true: Real, weights: Real) -> BoostedTrees:
     from sklearn.ensemble import GradientBoostingClassifier  # noqa: PLC0415  takes a second
 
     model = GradientBoostingClassifier(
-        n_estimators=N_TREES, learning_rate=RATE_OF_LEARNING, max_leaf_nodes=LEAVES, max_depth=None,
-        min_samples_leaf=FEWEST_ROWS, subsample=ROWS_TRIED, max_features=FEATURES_TRIED, init="zero", random_state=0,
+        n_estimators=N_TREES, learning_rate=LEARNING_RATE, max_leaf_nodes=MAX_LEAVES, max_depth=None,
+        min_samples_leaf=MIN_LEAF_ROWS, subsample=SUBSAMPLE, max_features=MAX_FEATURES, init="zero", random_state=0,
     ).fit(features, true, sample_weight=weights)  # fmt: skip
     trees = [tree.tree_ for tree in model.estimators_[:, 0]]
     n_nodes = max(tree.node_count for tree in trees)
@@ -126,9 +125,9 @@ def fit_trees(features: Real, true: Real, weights: Real) -> BoostedTrees:
     return BoostedTrees(
         feature=padded([np.where(tree.children_left < 0, LEAF, tree.feature) for tree in trees], LEAF, np.int8),
         threshold=padded([_at_most(tree.threshold) for tree in trees], 0, np.float32),
-        low=padded([tree.children_left for tree in trees], LEAF, np.int8),
-        high=padded([tree.children_right for tree in trees], LEAF, np.int8),
-        log_odds=padded([RATE_OF_LEARNING * tree.value[:, 0, 0] for tree in trees], 0, np.float32),
+        left=padded([tree.children_left for tree in trees], LEAF, np.int8),
+        right=padded([tree.children_right for tree in trees], LEAF, np.int8),
+        log_odds=padded([LEARNING_RATE * tree.value[:, 0, 0] for tree in trees], 0, np.float32),
     )
 
 
@@ -140,16 +139,16 @@ def _at_most(thresholds: Real) -> Real:
 
 def count_by_trees(found: Sequence[Descent]) -> BoostedTrees:
     """Whether there are as many talkers as sources."""
-    features, true, weights = about_the_order(found)
+    features, true, weights = training_rows(found)
     return fit_trees(features[:, : len(DESCRIBED)], true, weights)  # trees need no products
 
 
 def count_by_regression(found: Sequence[Descent], penalty: float = PENALTY) -> Logistic:
     """Whether there are as many talkers as sources, as `count_by_trees`."""
-    return fit(*about_the_order(found), penalty)
+    return fit(*training_rows(found), penalty)
 
 
-def about_the_order(found: Sequence[Descent]) -> tuple[Real, Real, Real]:
+def training_rows(found: Sequence[Descent]) -> tuple[Real, Real, Real]:
     """What counting is learnt from: the source worth least of every mixture of about the right order.
 
     Features (n, n_features), whether there are as many talkers as sources (n,), and weights (n,): that order counts
