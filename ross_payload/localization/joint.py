@@ -237,7 +237,7 @@ def _sources(evidence: Evidence, fit: Fit, placed: itd_mixture.Mixture) -> tuple
     """The sources of a fit, ``placed`` by the strict histograms, the one with the most evidence first."""
     model, data = fit.step.model, evidence.rich
     every = talker_evidence.features(evidence, fit.step, fit.rival, range(len(model.azimuths)))
-    confidences = talker_evidence.fitted("source", in_noise=evidence.in_noise).probability(every)
+    confidences = talker_evidence.fitted("source", evidence.file).probability(every)
     shares = np.average(model.weights, axis=0, weights=data.evidence + itd_mixture.TINY)
     azimuths, amplitudes = itd_mixture.sigmas(evidence.strict, placed)
     sigmas = np.minimum(np.hypot(azimuths, BIAS), np.pi)

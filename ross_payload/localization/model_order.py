@@ -160,14 +160,17 @@ def _refined(data: Data, models: Sequence[Mixture], rounds: int) -> tuple[list[M
 
 
 def _grow(data: Data, price: Price) -> Mixture:
-    """Add sources where the likelihood gains most, but not again where one has merged with another."""
+    """Add sources where the likelihood gains most, but not again where one has merged with another.
+
+    Far below a vehicle two at one azimuth may differ in elevation, as a talker and what a rotor leaves over do.
+    """
     model, merged = itd_mixture.empty(data), list[float]()
     while len(model.azimuths) < MAX_SOURCES + SPARE and len(merged) < MERGERS:
         added, gain = _added(data, model, price, merged)
         if gain < HOPEFUL * price.of(data, model):
             break
         grown = itd_mixture.refine(data, added, 8)
-        if _apart(grown).min(initial=np.inf) < MERGED:
+        if not data.aloft and _apart(grown).min(initial=np.inf) < MERGED:
             merged.append(float(added.azimuths[-1]))
         else:
             model = grown

@@ -4,8 +4,8 @@ A ghost lives on the misfit of the model. It is worth little, at few headings, i
 the rich ones, and it has no voice of its own: it sounds whenever a loud talker does, as the reflection of one must, and
 hardly ever alone. A talker has blocks of 50 ms to himself. Boosted trees weigh this for the source that is worth least:
 are there as many talkers as sources? A logistic regression, `source`, weighs it for every source that is left. Among
-the noise of a vehicle, and below one, where trees have not been fitted, another regression, `count`, stands for them.
-All were fitted to simulated rooms by `ross_sim.study.fit_talker_evidence` and `fit_evidence_in_noise`.
+the noise of a vehicle, and below one, regressions with weights of their own do both, `count` and `source`. They were
+fitted to simulated rooms by `ross_sim.study.fit_talker_evidence` and `fit_evidence_in_noise`.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ ALONE = 0.7  # a bin of the histograms is a source's own when this share of it i
 FIRST = -3.0  # log of worth over price before the first step
 STEADIEST = 20.0  # bound of the steadiness of a gain over the headings
 WHITE, TREES = "talker_evidence.json", "talker_evidence.npz"  # for noise that is white
+BELOW, AMONG = "talker_evidence_below.json", "talker_evidence_in_noise.json"  # a vehicle; its noise
 PACKAGE = "ross_payload.localization"
 LIKELY = 0.5  # probability above which there are as many talkers as sources
 
@@ -78,6 +79,11 @@ class Evidence:
         """Whether the weights for the noise of a vehicle serve; far below one nobody has fitted them."""
         return self.among is not None and not self.rich.aloft
 
+    @property
+    def file(self) -> str:
+        """Whose weights serve."""
+        return BELOW if self.rich.aloft else AMONG if self.in_noise else WHITE
+
 
 class Classifier(Protocol):
     """What gives a probability."""
@@ -99,9 +105,9 @@ class Logistic:
 
 
 @cache
-def fitted(name: str, *, in_noise: bool = False) -> Logistic:
-    """The regression ``count`` or ``source`` with the weights of this package; others among the noise of a vehicle."""
-    file, features = ("talker_evidence_in_noise.json", FEATURES + IN_NOISE) if in_noise else (WHITE, FEATURES)
+def fitted(name: str, file: str = WHITE) -> Logistic:
+    """The regression ``source`` of a file of this package; `BELOW` and `AMONG` have the regression ``count``, too."""
+    features = FEATURES + IN_NOISE if file == AMONG else FEATURES
     found = json.loads(files(PACKAGE).joinpath(file).read_text(encoding="utf-8"))[name]
     return Logistic(float(found["intercept"]), np.array([found["weights"][feature] for feature in features]))
 
@@ -126,12 +132,12 @@ def likely(evidence: Evidence, step: Step, rival: float) -> float:
     Below a vehicle every source must be somebody, too: what rotors leave over is steady there, and worth much.
     """
     described = features(evidence, step, rival, [step.least])
-    if not (evidence.in_noise or evidence.rich.aloft):
+    if evidence.file == WHITE:
         return float(trees().probability(described)[0])
-    least = fitted("count", in_noise=evidence.in_noise).probability(described)
+    least = fitted("count", evidence.file).probability(described)
     if not evidence.rich.aloft:
         return float(least[0])
-    every = fitted("source").probability(features(evidence, step, rival, range(len(step.worth))))
+    every = fitted("source", evidence.file).probability(features(evidence, step, rival, range(len(step.worth))))
     return float(min(least[0], every.min()))
 
 

@@ -157,7 +157,7 @@ def test_evidence_among_noise_has_weights_of_its_own(seen):
     white = talker_evidence.features(dataclasses.replace(at, among=None), step, 0.0, [0])
     assert shown.shape[1] == white.shape[1] + len(talker_evidence.IN_NOISE)
     np.testing.assert_array_equal(shown[:, : white.shape[1]], white)
-    assert talker_evidence.fitted("count", in_noise=True).weights.shape == (shown.shape[1],)
+    assert talker_evidence.fitted("count", talker_evidence.AMONG).weights.shape == (shown.shape[1],)
 
 
 def test_rotors_are_named_in_the_frame_of_the_azimuths_and_not_at_all_in_wind():

@@ -10,7 +10,7 @@ from ross_payload.interfaces import Real
 from ross_payload.localization import itd_mixture, model_order, talker_evidence
 from ross_payload.localization.itd_mixture import Data, Mixture
 from ross_payload.localization.model_order import Step
-from ross_payload.localization.talker_evidence import FEATURES, Evidence, Logistic
+from ross_payload.localization.talker_evidence import BELOW, FEATURES, WHITE, Evidence, Logistic
 
 HEADINGS, GRID = np.deg2rad(15.0) * np.arange(9), np.linspace(-1.5, 1.5, 61)
 TALKERS = np.deg2rad([0.0, 100.0, -130.0])
@@ -69,7 +69,7 @@ def test_an_echo_is_less_probable_than_a_talker_of_the_same_strength() -> None:
         step = step_of(heard, 3)
         asked = talker_evidence.features(heard, step, 0.0, [nearest(step, TALKERS[2])])
         odds.append(
-            [model.probability(asked)[0] for model in (talker_evidence.trees(), talker_evidence.fitted("count"))]
+            [model.probability(asked)[0] for model in (talker_evidence.trees(), talker_evidence.fitted("count", BELOW))]
         )
     assert np.all(np.greater(*odds))
 
@@ -104,8 +104,8 @@ def test_a_probability_is_the_logistic_of_a_weighted_sum() -> None:
     np.testing.assert_allclose(model.probability(rows), [0.5, 0.75, 0.0], atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["count", "source"])
-def test_the_weights_of_the_package_fit_the_features(name: str) -> None:
-    model = talker_evidence.fitted(name)
+@pytest.mark.parametrize(("name", "file"), [("source", WHITE), ("source", BELOW), ("count", BELOW)])
+def test_the_weights_of_the_package_fit_the_features(name: str, file: str) -> None:
+    model = talker_evidence.fitted(name, file)
     assert model.weights.shape == (len(FEATURES),)
     assert np.isfinite([model.intercept, *model.weights]).all()

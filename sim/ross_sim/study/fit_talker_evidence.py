@@ -1,9 +1,10 @@
-"""Fit what the explorer `joint` tells: ``python -m ross_sim.study.fit_talker_evidence FOLDER OUT.json``.
+"""Fit what the explorer `joint` tells: ``python -m ross_sim.study.fit_talker_evidence FOLDER OUT.json OUT.npz``.
 
 The talkers of FOLDER (those of the set `train` when it has a MANIFEST.tsv) talk in many scenes (`evidence_scenes`).
-Every one is explored, and after 2, 4, 8 and 12 rotations mixtures of falling order are fitted. The regression `count`
-learns from the source that is worth least whether there are as many talkers as sources; `source` learns from every
-source of the mixture that `count` chooses, by weights from other scenes, whether somebody is within 10 degrees.
+Every one is explored, and after 2, 4, 8 and 12 rotations mixtures of falling order are fitted. Boosted trees (OUT.npz)
+learn from the source that is worth least whether there are as many talkers as sources; the regression `source`
+(OUT.json) learns from every source of the mixture that trees fitted to other scenes choose whether somebody is within
+10 degrees.
 """
 
 from __future__ import annotations
@@ -242,7 +243,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Fit, and write the weights."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, metavar="FOLDER", help="recordings of talkers")
-    parser.add_argument("out", type=Path, metavar="OUT.json", help="regressions")
+    parser.add_argument("out", type=Path, metavar="OUT.json", help="regression")
     parser.add_argument("out_trees", type=Path, metavar="OUT.npz", help="trees")
     parser.add_argument("--rooms", nargs="+", choices=ROOMS, default=list(ROOMS))
     parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
@@ -259,12 +260,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         heard = chain.from_iterable(scenes(asked.rooms, voices, seed, asked.keep) for seed in asked.seeds)
         every = [descent for scene in heard for descent in descents(scene, joint)]
         picked = picked_by(every, count_by_trees)
-        regressions, trees = {"count": count_by_regression(every), "source": fit_source(picked)}, count_by_trees(every)
+        source, trees = fit_source(picked), count_by_trees(every)
     about = (
         f"{len(every) // len(ROTATIONS)} scenes in {', '.join(asked.rooms)}, {len(voices)} talkers, "
         f"seeds {', '.join(map(str, asked.seeds))}"
     )
-    write_whole(asked.out, encoded(regressions, about))
+    write_whole(asked.out, encoded({"source": source}, about))
     write_whole(asked.out_trees, encode_trees(trees))
     sys.stdout.write(f"{about}\n{report(picked)}\n")
     return 0
