@@ -157,3 +157,13 @@ def test_a_log_holds_the_height_and_without_one_is_as_it_always_was() -> None:
 def test_a_line_whose_height_is_no_number_is_damaged() -> None:
     broken = json.loads(input_log.line(hop(17.5))) | {"height": "high"}
     assert input_log.parsed((json.dumps(broken) + "\n").encode()) is None
+
+
+def test_two_at_one_azimuth_are_two_when_one_is_further_below() -> None:
+    centres = np.array([0.4, 0.95])[:, None, None] * np.cos(0.7 - HEADINGS)[:, None]
+    kernels = np.exp(-0.5 * ((GRID - centres) / 0.05) ** 2)
+    counts = 20 * (kernels / kernels.sum(axis=-1, keepdims=True)).sum(axis=0) + 0.01
+    data = itd_mixture.Data(GRID, HEADINGS, counts, below.amplitudes(10.0), below.ALIKE)
+    largest = next(model_order.steps(data, model_order.Price())).model
+    np.testing.assert_allclose(np.sort(largest.amplitudes), [0.4, 0.95], atol=0.03)
+    np.testing.assert_allclose(largest.azimuths, 0.7, atol=0.01)
