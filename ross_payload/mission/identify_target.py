@@ -16,6 +16,7 @@ from ross_payload.mission.context import Context, Listening
 from ross_payload.mission.voice_evidence import Evidence, lone_voices
 
 APART = 0.5  # a heading tells of a source when it isolates it by this share of the best one
+WELL = 0.6  # and need not be joined by another one at first when it does by this share
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,55 +113,65 @@ def _scored(context: Context, groups: Groups, group: int, value: float) -> Group
 
 
 def recall(context: Context, estimate: Estimate, known: Evidence | None = None) -> Evidence:
-    """Return what the exploration has heard of every source at the orientations that are best for one of them.
+    """Return what the exploration has heard of every source at the few orientations that tell well of somebody.
 
-    Each is separated once, and tells of every source that stands apart well there; not of who is ``known`` already.
+    Each is separated once, and tells of every source that stands apart there; not of who is ``known`` already.
     Nothing is recalled where nothing was explored.
     """
     evidence = _nothing_heard(context) if known is None else known
     if not context.explored or context.tools.voiceprint is None:
         return evidence
     apart = _apart(context, estimate, [heard.heading for heard in context.explored])
-    best = _best(context, apart)
-    for source, curve in enumerate(apart):
-        if source in evidence.clips:
-            continue
-        where = [i for i in best if curve[i] >= APART * curve.max()]
-        evidence.hear(source, *_recalled(context, estimate, evidence, source, where))
+    unheard = [source for source in range(len(apart)) if source not in evidence.clips]
+    chosen = _enough(context, apart[unheard])
+    for source in unheard:
+        _hear_recalled(context, estimate, evidence, source, [i for i in chosen if _tells(apart[source])[i]])
     return evidence
 
 
 def recall_more(context: Context, estimate: Estimate, evidence: Evidence, source: int) -> None:
-    """Let every other orientation tell of a source, too, at which it stands well apart; once is enough."""
-    if source in evidence.complete or not evidence.recalled:
-        return
-    evidence.complete.add(source)
-    apart = _apart(context, estimate, [heard.heading for heard in context.explored])
-    curve, best = apart[source], set(_best(context, apart))
-    where = [i for i in np.flatnonzero(curve >= APART * curve.max()).tolist() if i not in best]
-    evidence.hear(source, *_recalled(context, estimate, evidence, source, where))
+    """Let every other orientation tell of a source, too, at which it stands apart."""
+    if evidence.recalled:
+        apart = _apart(context, estimate, [heard.heading for heard in context.explored])
+        _hear_recalled(context, estimate, evidence, source, np.flatnonzero(_tells(apart[source])).tolist())
 
 
-def _recalled(
+def _tells(curve: Real) -> NDArray[np.bool_]:
+    """Whether headings tell of a source, by its isolation there, (n_headings,)."""
+    return np.asarray(curve >= APART * curve.max())
+
+
+def _hear_recalled(
     context: Context, estimate: Estimate, evidence: Evidence, source: int, orientations: Sequence[int]
-) -> list[Real]:
-    """What was heard of a source alone at orientations of the exploration; each of them is separated once."""
-    for i in orientations:
+) -> None:
+    """Hear a source alone at orientations of the exploration, at none a second time; each is separated once."""
+    told = evidence.told.setdefault(source, set())
+    new = [i for i in orientations if i not in told]
+    told.update(new)
+    for i in new:
         if i not in evidence.recalled:
             evidence.recalled[i] = lone_voices(*separate_piece(context, estimate, context.explored[i]))
-    return [evidence.recalled[i][source] for i in orientations if source in evidence.recalled[i]]
+    evidence.hear(source, *(evidence.recalled[i][source] for i in new if source in evidence.recalled[i]))
 
 
-def _best(context: Context, apart: Real) -> list[int]:
-    """The orientations that isolate one of the sources best: T_unit for each, of a turn as many pieces as last so long.
+def _enough(context: Context, apart: Real) -> list[int]:
+    """A few orientations that isolate every source well for T_unit, each the one that adds most to those before it.
 
-    ``apart`` is the isolation of every source at every orientation, (k, n).
+    ``apart`` is the isolation of every source at every orientation, (k, n). Of a turn they are pieces.
     """
     lasts = np.array([heard.samples.shape[1] for heard in context.explored])
-    unit, chosen = round(context.settings.unit * context.settings.rate), set()
-    for order in np.argsort(-apart, axis=1, kind="stable"):
-        before = np.cumsum(lasts[order]) - lasts[order]
-        chosen.update(order[before < unit].tolist())
+    best = apart.max(axis=1, keepdims=True, initial=0.0)
+    well, share = apart >= WELL * best, apart / np.maximum(best, np.finfo(float).tiny)
+    missing = np.full(len(apart), round(context.settings.unit * context.settings.rate))
+    chosen: list[int] = []
+    while missing.any():
+        added = (np.minimum(missing[:, None], lasts) * well).sum(axis=0)
+        added[chosen] = 0
+        most = np.flatnonzero(added == added.max())
+        if added[most[0]] == 0:
+            break
+        chosen.append(int(most[share[missing > 0][:, most].sum(axis=0).argmax()]))
+        missing = np.maximum(missing - lasts[chosen[-1]] * well[:, chosen[-1]], 0)
     return sorted(chosen)
 
 

@@ -23,9 +23,7 @@ class Evidence:
     scores: dict[int, float] = field(default_factory=dict)  # of all clips of a source joined [nat]
     clips: dict[int, list[Real]] = field(default_factory=dict)  # (n_samples,) each
     recalled: dict[int, dict[int, Real]] = field(default_factory=dict)  # voices by source, by orientation explored
-    complete: set[int] = field(
-        default_factory=set
-    )  # sources of which every orientation was recalled that tells of them
+    told: dict[int, set[int]] = field(default_factory=dict)  # orientations at which each was recalled
 
     def seconds(self, source: int) -> float:
         """How much was heard of a source [s]."""
