@@ -33,7 +33,14 @@ TIED = 0.05  # weight of the shares of the groups among the averages that every 
 LONG = 0.128  # frames that a reverberant recording is cut into [s]
 
 
-def source_psds(observed: Real, covariances: Real, noise_psd: Real, shares: Real, noise: Real | None = None) -> Real:
+def source_psds(
+    observed: Real,
+    covariances: Real,
+    noise_psd: Real,
+    shares: Real,
+    noise: Real | None = None,
+    updates: int = UPDATES,
+) -> Real:
     """PSDs of sources with known covariances, smoothed over neighbouring bins.
 
     Multiplicative updates v_k <- v_k x^H S^-1 R_k S^-1 x / tr(S^-1 R_k) with S = sum_k v_k R_k. For two microphones
@@ -54,6 +61,8 @@ def source_psds(observed: Real, covariances: Real, noise_psd: Real, shares: Real
     noise
         Coordinates of the covariance of the noise in every bin, trace 2, (n_freqs, 4, n_frames); None: that of
         ``covariances`` in all frames.
+    updates
+        How many.
 
     Returns
     -------
@@ -68,7 +77,7 @@ def source_psds(observed: Real, covariances: Real, noise_psd: Real, shares: Real
     expected *= TIED
     other = np.empty_like(psds)
     height = max(AT_ONCE // max(psds.shape[2], 1), 1)
-    for update in range(UPDATES):
+    for update in range(updates):
         for low in range(0, len(psds), height):
             rows = slice(low, low + height)
             sources = _updated(psds[rows], given, rows)
@@ -278,7 +287,7 @@ def _separated(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, R
     return wiener(unit, psds, covariances, scene.noise_field), masks, qualities(psds, covariances)
 
 
-def fitted(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Real, Real, Real]:
+def fitted(unit: Complex, scene: Scene, noise_psd: Real, updates: int = UPDATES) -> tuple[Real, Real, Real]:
     """Coordinates of x x^H, of every covariance, and the PSDs: the arguments and the result of `source_psds`.
 
     Parameters
@@ -289,6 +298,8 @@ def fitted(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Real, Real, Re
         Its ``tau`` are those of the groups [s], (n_groups,).
     noise_psd
         (n_freqs,).
+    updates
+        Of the PSDs.
     """
     observed = outer(unit).astype(np.float32)
     waves = direct(scene.frequencies, np.asarray(scene.tau)).astype(np.float32)
@@ -297,7 +308,7 @@ def fitted(unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Real, Real, Re
     covariances, shares = learn(observed, start, noise_psd, anchor)
     white = np.broadcast_to(np.array([1, 1, 0, 0], np.float32), (len(start), 1, 4))
     covariances = np.concatenate([covariances, white], axis=1)
-    return observed, covariances, source_psds(observed, covariances, noise_psd, shares, scene.noise_field)
+    return observed, covariances, source_psds(observed, covariances, noise_psd, shares, scene.noise_field, updates)
 
 
 separator = Gaussian()

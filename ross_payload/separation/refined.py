@@ -15,10 +15,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ross_payload.dsp.covariance import direct
 from ross_payload.dsp.metrics import qualities
 from ross_payload.interfaces import Complex, Groups, LiveSeparator, Quality, Real, Scene
+from ross_payload.separation.covariance_em import reestimated
+from ross_payload.separation.directness import directness_of
 from ross_payload.separation.live_gaussian import Learnt, LiveGaussian, State, separated, thinned
-from ross_payload.separation.local_gaussian_model import fitted, from_directions, wiener
+from ross_payload.separation.local_gaussian_model import UPDATES, fitted, from_directions, wiener
 from ross_payload.separation.network import Network, Past, network_in_noise, shipped_network
 from ross_payload.separation.refiner_features import (
     HIDDEN,
@@ -30,7 +33,8 @@ from ross_payload.separation.refiner_features import (
     trained_for,
 )
 
-BONUS = 0.75  # SI-SDR above that of the local Gaussian model [dB]
+BONUS, BONUS_IN_NOISE = 2.0, 0.75  # SI-SDR above that of the local Gaussian model [dB]; where noise has a direction
+BEFORE = 12  # updates of the PSDs before the network corrects them
 LARGER = 1.5  # noise term over the noise that has a direction: the network corrects it, too
 KEPT = 3  # frames that the network has seen whose corrections are interpolated
 
@@ -54,14 +58,19 @@ class Refined:
         return LiveRefined(self._network or shipped_network(), lookahead)
 
     def _separated(self, unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, Real, tuple[Quality, ...]]:
-        observed, covariances, psds = fitted(unit, scene, noise_psd)
-        quality = qualities(psds, covariances, BONUS)
         low = slice(0, int((scene.frequencies < HIGHEST).sum()))
-        if trained_for(scene.frequencies[low]):
+        frequencies, known = scene.frequencies[low], trained_for(scene.frequencies[low])
+        observed, covariances, psds = fitted(unit, scene, noise_psd, BEFORE if known else UPDATES)
+        quality = qualities(psds, covariances, BONUS)
+        if known:
             network = self._network or shipped_network()
             shown = features(observed[low], covariances[low], psds[low])
-            factors = np.exp(network.corrections(shown, scene.frequencies[low]))
+            factors = np.exp(network.corrections(shown, frequencies))
             psds[low, :-1] = np.maximum(psds[low, :-1], LEAST) * np.swapaxes(factors, 0, 1)
+            scattered = np.float32(1 - _directness(observed, scene, noise_psd))
+            if scattered > 0:
+                again = reestimated(observed[low], covariances[low], psds[low])
+                covariances[low] += scattered * (again - covariances[low])
         masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
         psds[:, -1] = np.maximum(psds[:, -1], STEADY * (1 + psds[:, :-1].sum(axis=1)))
         return wiener(unit, psds, covariances), masks, quality
@@ -71,7 +80,7 @@ class Refined:
     ) -> tuple[Complex, Real, tuple[Quality, ...]]:
         """As `_separated`; the noise is one more group, whose PSD is corrected like those of the others."""
         observed, covariances, psds = fitted(unit, scene, noise_psd)
-        quality = qualities(psds, covariances, BONUS)
+        quality = qualities(psds, covariances, BONUS_IN_NOISE)
         low = slice(0, int((scene.frequencies < HIGHEST).sum()))
         if trained_for(scene.frequencies[low]):
             network, field = self._in_noise or network_in_noise(), np.asarray(scene.noise_field)[low]
@@ -82,6 +91,12 @@ class Refined:
         masks = np.swapaxes(psds[:, :-1] / psds.sum(axis=1, keepdims=True), 0, 1)
         psds[:, -1] = np.maximum(psds[:, -1], STEADY * (1 + psds[:, :-1].sum(axis=1)))
         return wiener(unit, psds, covariances, scene.noise_field), masks, quality
+
+
+def _directness(observed: Real, scene: Scene, noise_psd: Real) -> float:
+    """1 in the open, where the covariances of plane waves are the true ones, 0 in a reverberant room."""
+    waves = direct(scene.frequencies, np.asarray(scene.tau)).astype(np.float32)
+    return directness_of(observed, scene.frequencies, waves, noise_psd)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,7 +8,7 @@ from ross_payload.dsp.steering import steering_vectors
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Scene
-from ross_payload.separation import local_gaussian_model
+from ross_payload.separation import local_gaussian_model, refined
 from ross_payload.separation.network import network_of
 from ross_payload.separation.refined import Refined, separator
 from ross_payload.separation.refiner_features import HIGHEST, N_FEATURES, features
@@ -43,7 +43,9 @@ def _passive() -> Refined:
     return Refined(network_of(zeros))
 
 
-def test_a_network_that_corrects_nothing_leaves_the_gaussian_model() -> None:
+def test_a_network_that_corrects_nothing_leaves_the_gaussian_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(refined, "BEFORE", local_gaussian_model.UPDATES)
+    monkeypatch.setattr(refined, "reestimated", lambda observed, covariances, psds: covariances)
     _, mixture = _mixture([-0.8, 0.7], 1.0)
     scene = _scene([-0.8, 0.7], noise=NOISE * 1024)
     expected, found = local_gaussian_model.separator.batch(mixture, scene), _passive().batch(mixture, scene)
@@ -103,7 +105,8 @@ def test_bins_of_another_width_keep_the_gaussian_model() -> None:
     np.testing.assert_allclose(separator.batch(mixture, scene).masks, expected, atol=0.02)
 
 
-def test_bins_above_the_highest_keep_the_gaussian_model() -> None:
+def test_bins_above_the_highest_keep_the_gaussian_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(refined, "BEFORE", local_gaussian_model.UPDATES)
     _, mixture = _mixture([-0.8, 0.7], 1.0)
     scene = _scene([-0.8, 0.7], noise=NOISE * 1024)
     above = STFT.frequencies >= HIGHEST
@@ -157,3 +160,25 @@ def test_talkers_are_separated_better_than_by_the_gaussian_model() -> None:
         signals = STFT.synthesise(method.batch(mixture, _scene(tau)).signals, n)
         gains.append(np.mean([si_sdri(s, heard, voice) for s, voice in zip(signals, voices, strict=True)]))
     assert gains[1] > gains[0]
+
+
+def test_covariances_are_estimated_again_in_a_room_and_not_in_the_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two who talk in turn, first as plane waves and then in a diffuse field that follows them."""
+    asked: list[int] = []
+
+    def counted(observed: np.ndarray, covariances: np.ndarray, psds: np.ndarray) -> np.ndarray:
+        asked.append(len(observed))
+        return covariances
+
+    monkeypatch.setattr(refined, "reestimated", counted)
+    rng = np.random.default_rng(5)
+    images = STFT.analyse(rng.standard_normal((2, RATE)) * np.repeat(np.eye(2), RATE // 2, axis=1))
+    waves = np.einsum(
+        "fmk,kft->mft", steering_vectors(STFT.frequencies, np.array([-0.8, 0.7]) * LONGEST), images
+    ) + STFT.analyse(np.sqrt(1e-4) * rng.standard_normal((2, RATE)))
+    scene = _scene([-0.8, 0.7], noise=1e-4 * 1024)
+    separator.batch(waves, scene)
+    assert not asked
+    field = np.abs(images).sum(axis=0) * (rng.standard_normal(waves.shape) + 1j * rng.standard_normal(waves.shape))
+    separator.batch(waves + 0.3 * field, scene)
+    assert asked == [(STFT.frequencies < HIGHEST).sum()]
