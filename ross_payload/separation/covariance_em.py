@@ -63,7 +63,7 @@ def _weighted(psds: Real) -> Real:
     weights *= np.sqrt(np.sqrt(own))
     weights /= np.maximum(weights.sum(axis=2, keepdims=True), np.finfo(psds.dtype).tiny)
     weights *= own
-    return weights
+    return np.asarray(weights)
 
 
 def _of_trace_2(matrices: Real, otherwise: Real) -> Real:

@@ -38,6 +38,7 @@ def source_psds(
     covariances: Real,
     noise_psd: Real,
     shares: Real,
+    *,
     noise: Real | None = None,
     updates: int = UPDATES,
 ) -> Real:
@@ -308,7 +309,8 @@ def fitted(unit: Complex, scene: Scene, noise_psd: Real, updates: int = UPDATES)
     covariances, shares = learn(observed, start, noise_psd, anchor)
     white = np.broadcast_to(np.array([1, 1, 0, 0], np.float32), (len(start), 1, 4))
     covariances = np.concatenate([covariances, white], axis=1)
-    return observed, covariances, source_psds(observed, covariances, noise_psd, shares, scene.noise_field, updates)
+    psds = source_psds(observed, covariances, noise_psd, shares, noise=scene.noise_field, updates=updates)
+    return observed, covariances, psds
 
 
 separator = Gaussian()

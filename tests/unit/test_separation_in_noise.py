@@ -86,6 +86,6 @@ def test_a_white_field_is_the_white_model():
     shares, psd = np.full((40, 2, 30), 0.5), np.full(40, 0.3)
     field = np.broadcast_to(np.array([1.0, 1.0, 0.0, 0.0])[None, :, None], (40, 4, 30))
     without = source_psds(observed, covariances, psd, shares)
-    within = source_psds(observed, covariances, psd, shares, field)
+    within = source_psds(observed, covariances, psd, shares, noise=field)
     assert np.allclose(without, within)
     assert np.allclose(wiener(samples, without, covariances), wiener(samples, within, covariances, field))
