@@ -3,13 +3,28 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import ModuleType
 
 import click
 import pytest
 from click.testing import CliRunner
 
 from ross_payload.errors import OutputError
-from ross_sim.study import live_separation, predicted_gain_study, separation_cost, train_refiner, train_voiceprint
+from ross_sim.study import (
+    calibrate_voice_model,
+    elevation_study,
+    fit_evidence_in_noise,
+    fit_talker_evidence,
+    live_separation,
+    moving_talkers,
+    predicted_gain_study,
+    quality_study,
+    resting_talkers,
+    separation_cost,
+    train_refiner,
+    train_voiceprint,
+    voiceprint_study,
+)
 from ross_sim.study.script_errors import told_in_a_line
 
 MISTAKES = [
@@ -39,6 +54,35 @@ def test_a_mistake_ends_with_one_line_and_exit_code_2(
     (line,) = [line for line in done.output.splitlines() if line.startswith("Error: ")]
     assert said in line
     assert done.exit_code == 2
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("script", "arguments", "said"),
+    [
+        (elevation_study, ["--speech", "{none}"], "no such folder of recordings"),
+        (quality_study, ["--speech", "{none}"], "no such folder of recordings"),
+        (resting_talkers, ["--speech", "{none}"], "no such folder of recordings"),
+        (moving_talkers, ["--speech", "{none}"], "no such folder of recordings"),
+        (moving_talkers, ["--settings", "S1,S9"], "room 'S9' is unknown"),
+        (moving_talkers, ["--speeds", "5,fast"], "'5,fast'"),
+        (voiceprint_study, ["--speech", "{none}"], "no such folder of recordings"),
+        (voiceprint_study, ["--built-in", "{none}"], "no voice model can be read"),
+        (calibrate_voice_model, ["{none}", "{out}", "--speech", "{none}"], "no voice model can be read"),
+        (fit_talker_evidence, ["{none}", "{out}", "{out}"], "no such folder of recordings"),
+        (fit_evidence_in_noise, ["{none}", "{none}", "{out}"], "{none}"),
+    ],
+)
+def test_scripts_with_a_parser_of_their_own_say_the_same(
+    script: ModuleType, arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    paths = {name: str(tmp_path / name) for name in ("none", "out")}
+    with pytest.raises(SystemExit) as ended:
+        script.main([argument.format(**paths) for argument in arguments])
+    assert ended.value.code == 2
+    line = capsys.readouterr().err.splitlines()[-1]
+    assert ": error: " in line
+    assert said.format(**paths) in line
     assert not (tmp_path / "out").exists()
 
 

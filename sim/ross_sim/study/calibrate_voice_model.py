@@ -34,6 +34,7 @@ from ross_payload.voiceprint.features import at_rate
 from ross_payload.voiceprint.model_folder import read_model
 from ross_sim.study.mixtures import RATE, excerpt, layouts
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, Setting
+from ross_sim.study.script_errors import told_by
 from ross_sim.study.voiceprint_study import OUTSIDE, best_heading, separated_at
 from ross_sim.talkers.speech import TalkerVoice, load_folder
 
@@ -160,11 +161,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--draws", type=int, default=20, help="mixtures in every room, of three and of four talkers")
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args(arguments)
-    try:
+    with told_by(parser):
         model = EmbeddingModel(read_model(asked.file), str(asked.file), COSINES)
         found = calibration(model, asked.speech, asked.rooms, asked.draws, asked.seed)
-    except ConfigError as error:
-        parser.error(str(error))
     write_whole(asked.out, (json.dumps(asdict(found)) + "\n").encode())
     sys.stdout.write(f"{found}\n")
     return 0

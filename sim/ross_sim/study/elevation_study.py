@@ -31,6 +31,7 @@ from ross_sim.study import exploration
 from ross_sim.study.exploration import NEAR_DEG
 from ross_sim.study.mixtures import RATE, VOICES, gains, record
 from ross_sim.study.room_settings import DISTANCE, SPACING, SPEED_OF_SOUND, Setting
+from ross_sim.study.script_errors import told_by
 from ross_sim.talkers.speech import load_folder
 
 COUNTS = (2, 3, 4, 5)  # K
@@ -142,7 +143,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--rotations", type=int, nargs="+", default=[4, 8, 12])
     parser.add_argument("--align", type=int, default=0, help="also separate so many layouts of every K > 2")
     asked = parser.parse_args(arguments)
-    voices = {voice.name: voice.speech for voice in load_folder(asked.speech, RATE)}
+    with told_by(parser):
+        voices = {voice.name: voice.speech for voice in load_folder(asked.speech, RATE)}
     chosen = [voices[name] for name in VOICES if name in voices] or list(voices.values())
     sys.stdout.write("rotations  field  K right  all right  error [deg]  elevation right  its error [deg]\n")
     with threadpool_limits(1):

@@ -16,7 +16,6 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ross_payload.atomic_files import write_whole
-from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Observation, Samples
 from ross_payload.localization.joint import Joint
 from ross_payload.localization.talker_evidence import FEATURES, IN_NOISE
@@ -33,6 +32,7 @@ from ross_sim.study.mixtures import RATE
 from ross_sim.study.noise_scenes import NoiseScene, recordings, scene
 from ross_sim.study.noise_study import observed
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
+from ross_sim.study.script_errors import told_by
 from ross_sim.study.training_voices import readers
 from ross_sim.study.voice_augmentation import RATE as READ_AT
 from ross_sim.study.voice_augmentation import at_speed
@@ -83,10 +83,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--scenes", type=int, default=N_SCENES)
     parser.add_argument("--seed", type=int, default=4242)
     asked = parser.parse_args(arguments)
-    try:
+    with told_by(parser):
         voices, clips = voices_of(asked.folder), played(recordings(asked.noise))
-    except ConfigError as error:
-        parser.error(str(error))
     joint = Joint(SPACING, SPEED_OF_SOUND)
     every: list[Descent] = []
     with threadpool_limits(1):

@@ -35,6 +35,7 @@ from ross_sim.study.evidence_scenes import HEADINGS, ROOMS, EvidenceScene, scene
 from ross_sim.study.exploration import FRAME, NEAR_DEG, observed
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
+from ross_sim.study.script_errors import told_by
 from ross_sim.talkers.speech import load_folder, read
 
 ROTATIONS = (2, 4, 8, 12)
@@ -249,10 +250,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
     parser.add_argument("--keep", type=Path, help="folder in which scenes are kept")
     asked = parser.parse_args(arguments)
-    try:
+    with told_by(parser):
         voices = readers(asked.folder)
-    except ConfigError as error:
-        parser.error(str(error))
     if asked.keep is not None:
         asked.keep.mkdir(parents=True, exist_ok=True)
     joint = Joint(SPACING, SPEED_OF_SOUND)

@@ -26,6 +26,7 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.angles import difference, wrap
+from ross_payload.atomic_files import write_whole
 from ross_payload.config import validated
 from ross_payload.events import Event, OrientationHeard, Outcome
 from ross_payload.interfaces import Input, Real
@@ -40,7 +41,8 @@ from ross_sim.sitl.mission_session import Finished, perform
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.talker_selection import TalkerSelection
 from ross_sim.study.mixtures import spread
-from ross_sim.study.room_settings import SETTINGS
+from ross_sim.study.room_settings import SETTINGS, check_rooms
+from ross_sim.study.script_errors import told_by
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of
 
@@ -254,6 +256,14 @@ def _rms(values: Real) -> float:
     return float(np.sqrt(np.mean(np.asarray(values, dtype=float) ** 2))) if len(values) else math.nan
 
 
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(text.split(","))
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    return tuple(map(float, text.split(",")))
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print one line per mission, and the table; 130 when it was interrupted."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -261,18 +271,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--start", choices=SETS_OUT, default="true", help="azimuths are told, or explored first")
     parser.add_argument("--draws", type=int, default=6)
     parser.add_argument("--seed", type=int, default=0, help="of the first draw; the next have the next seeds")
-    parser.add_argument("--settings", default="S1,S2", help="rooms, separated by commas")
-    parser.add_argument("--speeds", default="5,10", help="[deg/s], separated by commas")
+    parser.add_argument("--settings", type=_names, default="S1,S2", help="rooms, separated by commas")
+    parser.add_argument("--speeds", type=_numbers, default="5,10", help="[deg/s], separated by commas")
     parser.add_argument("--talkers", type=int, default=3)
     parser.add_argument("--known", type=Path, help="folder where missions with known azimuths are kept")
     parser.add_argument("--tracker-alone", action="store_true", help="fly once: what is lost is not measured")
     parser.add_argument("--json", type=Path, help="also write the rows there")
     asked = parser.parse_args(arguments)
-    voices = voices_of(asked.speech, RATE)
+    with told_by(parser):
+        check_rooms(asked.settings)
+        voices = voices_of(asked.speech, RATE)
     rows: list[Row] = []
     try:
-        for setting in asked.settings.split(","):
-            for speed in map(float, asked.speeds.split(",")):
+        for setting in asked.settings:
+            for speed in asked.speeds:
                 for seed in range(asked.seed, asked.seed + asked.draws):
                     case = Case(setting, speed, seed, asked.talkers, asked.start)
                     rows.append(row(case, voices, asked.known, alone=asked.tracker_alone))
@@ -283,7 +295,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return int(Outcome.STOPPED)
     sys.stdout.write("\n".join(table(rows)) + "\n")
     if asked.json:
-        asked.json.write_text(json.dumps([asdict(each) for each in rows], indent=1) + "\n")
+        write_whole(asked.json, (json.dumps([asdict(each) for each in rows], indent=1) + "\n").encode())
     return 0
 
 

@@ -19,6 +19,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.separation import local_gaussian_model, refined
 from ross_sim.study.mixtures import FRAME, HOP, RATE, Mixture, excerpt, layouts, record, scene_of
 from ross_sim.study.room_settings import SETTINGS
+from ross_sim.study.script_errors import told_by
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of
 
@@ -69,7 +70,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--draws", type=int, default=4, help="recordings for every number of talkers and room")
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args(arguments)
-    voices = voices_of(asked.speech, RATE)
+    with told_by(parser):
+        voices = voices_of(asked.speech, RATE)
     stft, rng = Stft(RATE, FRAME, HOP), np.random.default_rng(asked.seed)
     off: dict[tuple[str, str], list[float]] = {}
     for room in asked.rooms:

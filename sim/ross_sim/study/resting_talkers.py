@@ -22,7 +22,6 @@ from ross_payload.alignment.predicted_gain import best_headings
 from ross_payload.angles import difference, wrap
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.stft import Stft
-from ross_payload.errors import RossError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Real, Samples
 from ross_payload.localization import tracking
@@ -32,6 +31,7 @@ from ross_sim.study.exploration import render
 from ross_sim.study.intervals import wilson
 from ross_sim.study.mixtures import SNR_DB, spread
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
+from ross_sim.study.script_errors import told_by
 from ross_sim.talkers.synthetic_voices import voices_of
 
 RATE = 16000  # [Hz]
@@ -135,10 +135,8 @@ def main(arguments: Sequence[str]) -> None:
             parser.error(f"--{name}: expected some of {', '.join(allowed)}, got '{unknown[0]}'")
     if given.draws < 1:
         parser.error(f"--draws: expected 1 or more, got {given.draws}")
-    try:
+    with told_by(parser):
         voices = [voice.speech for voice in voices_of(given.speech, RATE)]
-    except RossError as error:
-        parser.error(str(error))
     if len(voices) < max(map(int, ks)):
         parser.error(f"--speech: expected {max(map(int, ks))} talkers or more, got {len(voices)}")
     columns = ("room", "K", "false moves", "95 %", "share of the time", "farthest [deg]")

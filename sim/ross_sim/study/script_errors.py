@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -31,3 +32,18 @@ def told_in_a_line() -> Iterator[None]:
         raise click.ClickException(str(error)) from error
     except RossError as error:
         raise Refused(str(error)) from error
+
+
+@contextmanager
+def told_by(parser: ArgumentParser) -> Iterator[None]:
+    """End a script with the usage, one line and exit code 2 on bad input, as its parser does.
+
+    Raises
+    ------
+    SystemExit
+        When something is wrong.
+    """
+    try:
+        yield
+    except RossError as error:
+        parser.error(str(error))

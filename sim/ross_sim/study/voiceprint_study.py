@@ -24,13 +24,13 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
 from ross_payload.separation.auto_separator import separator
-from ross_payload.voiceprint import EmbeddingPrint, VoiceModel, enrol
+from ross_payload.voiceprint import EmbeddingPrint, VoiceModel, enrol, model_folder
 from ross_payload.voiceprint.built_in import read_model
 from ross_payload.voiceprint.features import RATE as VOICE_RATE
 from ross_payload.voiceprint.features import at_rate
-from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_sim.study.mixtures import FRAME, HOP, RATE, excerpt, layouts, record, scene_of
 from ross_sim.study.room_settings import SETTINGS, Setting
+from ross_sim.study.script_errors import told_by
 from ross_sim.talkers.speech import TalkerVoice, load_folder
 from ross_sim.talkers.synthetic_voices import synthetic_voices
 
@@ -218,10 +218,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--draws", type=int, default=20, help="mixtures in every room")
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args(arguments)
-    voices = load_folder(asked.speech, RATE, asked.talkers) if asked.speech else synthetic_voices(RATE)
-    model = ModelFolder.default().in_use(asked.model)
-    if asked.built_in:
-        model = read_model(asked.built_in.read_bytes(), asked.built_in.name)
+    with told_by(parser):
+        voices = load_folder(asked.speech, RATE, asked.talkers) if asked.speech else synthetic_voices(RATE)
+        model = model_folder.ModelFolder.default().in_use(asked.model)
+        if asked.built_in:
+            model = read_model(model_folder.read_model(asked.built_in), asked.built_in.name)
     pointed = asked.enrol == "pointed"
     found = [
         trial for room in asked.rooms for trial in trials(voices, model, room, asked.draws, asked.seed, pointed=pointed)
