@@ -156,6 +156,18 @@ class CountingFrames(OneGroupEach):
         return super().batch(spectrogram, scene)
 
 
+@pytest.mark.parametrize(
+    ("azimuths", "separated"), [((0, 90, 180), 1), ((30, 60, 90, 120), 1), ((170, 70, -50), 2), ((100, 40, -20), 3)]
+)
+def test_no_more_orientations_are_separated_than_tell_of_everybody(azimuths, separated):
+    """Those at 0, 90 and 180 degrees stand well apart at heading 0; of the last no heading tells of two."""
+    separator = CountingFrames()
+    explorer = ThreeTalkers(azimuths=azimuths, certain=False)
+    one = rig(explorer=explorer, separator=separator, voiceprint=Likes(1, {CHECKED: 9.0}))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert separator.frames.count(separator.frames[0]) == separated  # as long as T_unit
+
+
 def test_a_doubtful_score_has_more_of_the_exploration_separated_each_orientation_once():
     explored = []
     for score in (1.0, 0.1):
