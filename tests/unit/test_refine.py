@@ -180,5 +180,10 @@ def test_covariances_are_estimated_again_in_a_room_and_not_in_the_open(monkeypat
     separator.batch(waves, scene)
     assert not asked
     field = np.abs(images).sum(axis=0) * (rng.standard_normal(waves.shape) + 1j * rng.standard_normal(waves.shape))
-    separator.batch(waves + 0.3 * field, scene)
+    as_they_were = separator.batch(waves + 0.3 * field, scene).signals
     assert asked == [(STFT.frequencies < HIGHEST).sum()]
+    white = np.array([1, 1, 0, 0], np.float32)
+    monkeypatch.setattr(refined, "reestimated", lambda observed, covariances, psds: 0 * covariances + white)
+    changed = np.abs(separator.batch(waves + 0.3 * field, scene).signals - as_they_were)
+    assert changed[:, STFT.frequencies < HIGHEST].max() > 0.1 * np.abs(as_they_were).max()
+    assert not changed[:, STFT.frequencies >= HIGHEST].any()
