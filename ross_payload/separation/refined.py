@@ -1,8 +1,9 @@
 """The separator `refined`: a small network that knows speech corrects the PSDs of the local Gaussian model.
 
 Every group is described by the same few numbers per bin; the same network sees each group beside the mean of the
-others, so that any number of groups works and their order does not matter. Its output is a factor for every PSD; the
-multichannel Wiener filter of the local Gaussian model does the rest.
+others, so that any number of groups works and their order does not matter. Its output is a factor for every PSD. With
+these PSDs the covariances are estimated again where a room is reverberant; the multichannel Wiener filter of the local
+Gaussian model does the rest.
 
 Frame by frame the network follows the frames of the live local Gaussian model. It was trained for frames that overlap
 by three quarters: when they overlap more it sees one in so many, and what it says is interpolated. It knows the past,
@@ -61,7 +62,7 @@ class Refined:
         low = slice(0, int((scene.frequencies < HIGHEST).sum()))
         frequencies, known = scene.frequencies[low], trained_for(scene.frequencies[low])
         observed, covariances, psds = fitted(unit, scene, noise_psd, BEFORE if known else UPDATES)
-        quality = qualities(psds, covariances, BONUS)
+        quality = qualities(psds, covariances, BONUS if known else 0.0)
         if known:
             network = self._network or shipped_network()
             shown = features(observed[low], covariances[low], psds[low])
@@ -80,9 +81,10 @@ class Refined:
     ) -> tuple[Complex, Real, tuple[Quality, ...]]:
         """As `_separated`; the noise is one more group, whose PSD is corrected like those of the others."""
         observed, covariances, psds = fitted(unit, scene, noise_psd)
-        quality = qualities(psds, covariances, BONUS_IN_NOISE)
         low = slice(0, int((scene.frequencies < HIGHEST).sum()))
-        if trained_for(scene.frequencies[low]):
+        known = trained_for(scene.frequencies[low])
+        quality = qualities(psds, covariances, BONUS_IN_NOISE if known else 0.0)
+        if known:
             network, field = self._in_noise or network_in_noise(), np.asarray(scene.noise_field)[low]
             shown = shown_in_noise(observed[low], covariances[low, :-1], psds[low, :-1], noise_psd[low], field)
             factors = np.exp(network.corrections(shown, scene.frequencies[low]))
