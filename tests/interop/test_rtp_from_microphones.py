@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from processes import ROSS
-from rtp_players import Player, delay_of, ffmpeg, found_in, in_use
-from voice_sender import CLOCK, RATE, ear
+from rtp_players import Player, delay_of, ffmpeg, found_in, free_port, in_use
+from voice_sender import CLOCK, RATE
 from waiting import wait_for
 
 SECONDS = 40.0  # of noise
@@ -89,8 +89,7 @@ def test_what_a_microphone_hears_is_played_soon(tmp_path, codec):
     folder = Path(os.path.realpath(tmp_path)) / "p"  # a socket's path is short
     folder.mkdir(mode=0o700)
     noise = 0.1 * np.random.default_rng(0).standard_normal(round(SECONDS * RATE)).clip(-4, 4)
-    with ear() as first, ear() as second:
-        port, link = first.getsockname()[1], second.getsockname()[1]
+    port, link = free_port(), free_port()
     (tmp_path / "payload.toml").write_text(PAYLOAD.format(port=port, link=link, codec=codec))
     kind, name = KINDS[codec]
     (tmp_path / "voice.sdp").write_text(SDP.format(port=port, kind=kind, name=name))

@@ -8,8 +8,8 @@ import pytest
 
 from lossy_network import voiced
 from ross_payload.audio.sinks import info_of
-from rtp_players import Player, delay_of, ffmpeg, found_in, gstreamer, in_use
-from voice_sender import RATE, ear, opened, talking
+from rtp_players import Player, delay_of, ffmpeg, found_in, free_port, gstreamer, in_use
+from voice_sender import RATE, opened, talking
 from waiting import wait_for
 
 pytestmark = pytest.mark.alone
@@ -29,8 +29,7 @@ def heard(tmp_path_factory):
             if shutil.which(player("", 0, codec)[0]) is None:
                 continue
             folder = tmp_path_factory.mktemp(f"{player.__name__}-{codec}")
-            with ear() as sock:
-                port = sock.getsockname()[1]
+            port = free_port()
             sinks[player, codec] = sink = stack.enter_context(opened(port, folder, codec=codec))
             (folder / "voice.sdp").write_text(info_of(sink).sdp)
             playing[player, codec] = one = Player(player(str(folder / "voice.sdp"), port, codec))
