@@ -10,9 +10,9 @@ import numpy as np
 
 from ross_payload.dsp.covariance import adjugate, determinant
 from ross_payload.interfaces import Real
+from ross_payload.separation.cacgmm import AT_ONCE
 
 ROUNDS = 3
-AT_ONCE = 20000  # time-frequency bins worked on together: they stay in the cache
 
 
 def reestimated(observed: Real, covariances: Real, psds: Real) -> Real:

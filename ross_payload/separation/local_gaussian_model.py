@@ -19,14 +19,13 @@ from ross_payload.dsp.smoothing import average, averaged_rows
 from ross_payload.dsp.steering import directions_of
 from ross_payload.dsp.stft import Stft, band
 from ross_payload.interfaces import Complex, Groups, LiveSeparator, Quality, Real, Scene
-from ross_payload.separation.cacgmm import learn
+from ross_payload.separation.cacgmm import AT_ONCE, learn
 from ross_payload.separation.directness import ASTRAY, VOICE, astray, geometric_start
 from ross_payload.separation.evened_noise import FLOOR, evened
 from ross_payload.separation.live_gaussian import LiveGaussian
 
 UPDATES = 20
 UNSMOOTHED = 2  # updates before the smoothing begins
-AT_ONCE = 20000  # time-frequency bins worked on together: they stay in the cache
 TINY = float(np.finfo(np.float32).tiny)
 ACTIVE = 1.15  # bins with less than this many times the noise hold nobody
 TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
