@@ -17,6 +17,7 @@ from ross_payload.mission.voice_evidence import Evidence, lone_voices
 
 APART = 0.5  # a heading tells of a source when it isolates it by this share of the best one
 WELL = 0.6  # and need not be joined by another one at first when it does by this share
+CERTAIN = 4.0  # over the criterion: nobody else is recalled when somebody sounds so much like the target [nat]
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,18 +116,29 @@ def _scored(context: Context, groups: Groups, group: int, value: float) -> Group
 def recall(context: Context, estimate: Estimate, known: Evidence | None = None) -> Evidence:
     """Return what the exploration has heard of every source at the few orientations that tell well of somebody.
 
-    Each is separated once, and tells of every source that stands apart there; not of who is ``known`` already.
-    Nothing is recalled where nothing was explored.
+    Each is separated once, and tells of every source that stands apart there; not of who is ``known`` already. When
+    somebody sounds like the target beyond doubt, the orientations that are left are not recalled. Nothing is recalled
+    where nothing was explored.
     """
     evidence = _nothing_heard(context) if known is None else known
     if not context.explored or context.tools.voiceprint is None:
         return evidence
     apart = _apart(context, estimate, [heard.heading for heard in context.explored])
     unheard = [source for source in range(len(apart)) if source not in evidence.clips]
-    chosen = _enough(context, apart[unheard])
-    for source in unheard:
-        _hear_recalled(context, estimate, evidence, source, [i for i in chosen if _tells(apart[source])[i]])
+    for orientation in _enough(context, apart[unheard]):
+        for source in unheard:
+            if _tells(apart[source])[orientation]:
+                _hear_recalled(context, estimate, evidence, source, [orientation])
+        if _beyond_doubt(context, evidence):
+            break
     return evidence
+
+
+def _beyond_doubt(context: Context, evidence: Evidence) -> bool:
+    """Whether a source that was heard for T_unit sounds like the target as few others do."""
+    enough = 0.99 * context.settings.unit
+    sure = context.settings.criterion + CERTAIN
+    return any(value >= sure and evidence.seconds(source) >= enough for source, value in evidence.scores.items())
 
 
 def recall_more(context: Context, estimate: Estimate, evidence: Evidence, source: int) -> None:
@@ -155,7 +167,7 @@ def _hear_recalled(
 
 
 def _enough(context: Context, apart: Real) -> list[int]:
-    """A few orientations that isolate every source well for T_unit, each the one that adds most to those before it.
+    """A few orientations that isolate every source well for T_unit, each adding the most to those before it.
 
     ``apart`` is the isolation of every source at every orientation, (k, n). Of a turn they are pieces.
     """
@@ -172,7 +184,7 @@ def _enough(context: Context, apart: Real) -> list[int]:
             break
         chosen.append(int(most[share[missing > 0][:, most].sum(axis=0).argmax()]))
         missing = np.maximum(missing - lasts[chosen[-1]] * well[:, chosen[-1]], 0)
-    return sorted(chosen)
+    return chosen
 
 
 def _nothing_heard(context: Context) -> Evidence:

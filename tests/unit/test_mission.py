@@ -168,6 +168,17 @@ def test_no_more_orientations_are_separated_than_tell_of_everybody(azimuths, sep
     assert separator.frames.count(separator.frames[0]) == separated  # as long as T_unit
 
 
+@pytest.mark.parametrize(("target", "sounds", "separated"), [(2, 3.9, 3), (2, 4.1, 2), (0, 4.1, 1), (1, 4.1, 3)])
+def test_nobody_else_is_recalled_once_somebody_sounds_like_the_target_beyond_doubt(target, sounds, separated):
+    """No heading tells of two sources; 0, 2 and 1 are recalled. The target is ``sounds`` over the criterion [nat]."""
+    separator = CountingFrames()
+    voiceprint = Likes(target, {RECALLED: (SETTINGS.criterion + sounds) / SURE})
+    one = rig(explorer=ThreeTalkers(azimuths=(100, 40, -20), certain=False), separator=separator, voiceprint=voiceprint)
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert one.said(Checked)[0].candidate.source == target
+    assert separator.frames.count(separator.frames[0]) == separated
+
+
 def test_a_doubtful_score_has_more_of_the_exploration_separated_each_orientation_once():
     explored = []
     for score in (1.0, 0.1):
