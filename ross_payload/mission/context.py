@@ -209,7 +209,8 @@ class Context:
             return
         psd = self.noise_psd.get(stft.frame)
         spacing, speed = settings.spacing, settings.speed_of_sound
-        self.tracker = self.tools.tracker(estimate, source, stft, spacing, speed, self.lead_in, psd)
+        rested = sum(heard.samples.shape[1] for heard in self.explored) / settings.rate
+        self.tracker = self.tools.tracker(estimate, source, stft, spacing, speed, self.lead_in, psd, rested)
 
     def publish(self, event: Event) -> None:
         """Send an event with the next Output."""

@@ -22,6 +22,7 @@ MARGIN = math.radians(20)  # to the limits of the joint, where there is a choice
 TURN_TIMEOUT_S = 20.0  # [s] that a turn may take on a vehicle that does not let it end
 OTHER_END = "near a limit: turning to the other end of the axis"
 REALIGNED = "sources have moved"
+LOOKING = "looking whether anybody has moved"
 MOST_BACK = 3  # times that one listening period begins again
 
 
@@ -96,7 +97,8 @@ def _track(context: Context, heard: Input) -> None:
     )
     if heading is not None:
         goal = heard.pointing.joint + wrap(heading - heard.pointing.heading)
-        context.publish(TurnStarted(context.time, goal, heading, REALIGNED))
+        reason = REALIGNED if context.tracker.anybody else LOOKING
+        context.publish(TurnStarted(context.time, goal, heading, reason))
         context.holding = _follower(context, heading, goal)
         context.holding.due = goal
 

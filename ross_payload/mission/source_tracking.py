@@ -38,6 +38,7 @@ UNSURE = 0.6  # and up to which it has not
 HEARD = (0.08, 0.12)  # change of its delay that cannot come from echoes, in the open and in planes [d / v_p]
 FAR_OFF = np.radians(10.0)  # away from the place of the exploration: off the axis, more than echoes can do [rad]
 CLEAR = 0.4  # sigma over how far a source is from that place, up to which it is clear where it is
+ASIDE = np.sin(np.radians(5.0))  # of its angle to the axis: nearer to it nobody is clear
 TELLING = 1.3  # times that, the delay of who stays would have changed if the array had slipped
 LASTING = 2  # corrections in a row that must say so
 LONGER = 15  # more of them for every unit by which reflections draw delays to 0 more than in a plane
@@ -51,6 +52,7 @@ MARGIN_DB = 0.7  # a turn must promise more than this [dB]
 PER_DEGREE = 0.02  # and so much for every degree [dB]
 UNSEEN = np.radians(6.5)  # standard deviation from which on a turn may tell whether somebody has moved [rad]
 DWELL = 2.0  # [s] at rest between turns
+AGAIN = 0.3  # of the time for which nobody has moved, that a look is later than the turn before it
 AHEAD = 0.75  # [s] that a turn is planned ahead
 
 
@@ -65,6 +67,7 @@ class SourceTracker:
     speed_of_sound: float  # [m/s]
     lead_in: Samples | None  # (2, n)
     noise_psd: Real | None  # known already, (n_freqs,)
+    rested: float = 0.0  # for how long the sources were heard before, at rest [s]
     tracks: Tracks = field(init=False)
     moved: list[bool] = field(init=False)  # whose track acts
     stirred: bool = False  # somebody has moved, whoever it is
@@ -78,6 +81,7 @@ class SourceTracker:
     _first: int = 0  # index of the first sample that is kept, since tracking began
     _frames: int = 0  # told
     _planned: int = -1  # of them, when a turn was last considered
+    _began: float = 0.0  # to hear [s]
     _said: float = 0.0
 
     def __post_init__(self) -> None:
@@ -90,6 +94,11 @@ class SourceTracker:
     def acts(self) -> bool:
         """Whether anybody has moved."""
         return any(self.moved)
+
+    @property
+    def anybody(self) -> bool:
+        """Whether somebody has moved, known who or not."""
+        return self.acts or self.stirred
 
     @property
     def lost(self) -> bool:
@@ -126,7 +135,7 @@ class SourceTracker:
         block = hop.block.samples
         if not self._ends:
             self._ends.append((0, hop.heading_start))
-            self._said = time
+            self._began = self._said = time
         last, heading = self._ends[-1]
         self._ends.append((last + block.shape[1], heading + wrap(hop.pointing.heading - heading)))
         self._blocks.append(block)
@@ -207,10 +216,13 @@ class SourceTracker:
         """Probability that every source is ``far`` [rad] from its place, 0 where it is not clear where it is, (k,).
 
         Who walks near the axis, or past the mirror image of its place, may have the delay of that place for long. What
-        echoes feign near the axis has a mirror image itself, and is not clear.
+        echoes feign near the axis has a mirror image itself, and is not clear; nor is the axis, which has none: a delay
+        that they draw to 0 less than expected is that of a source on the axis.
         """
         away, _ = self.tracks.gone(told, far, 0.0)
-        return np.asarray(away * (self.tracks.sigmas <= CLEAR * np.abs(difference(self.tracks.azimuths, told))))
+        now, axis = self.tracks.azimuths, self.tracks.heading
+        clear = (self.tracks.sigmas <= CLEAR * np.abs(difference(now, told))) & (np.abs(np.sin(now - axis)) >= ASIDE)
+        return np.asarray(away * clear)
 
     def _changed(self, told: Real) -> Real:
         """By how much the delays at this heading differ from those at the azimuths that were told [d / v_p], (k,)."""
@@ -235,14 +247,14 @@ class SourceTracker:
         """Return the heading [rad] to turn to now, None to stay.
 
         Where it is worth clearly more than the present one, at most 30 degrees away, within the limits of the joint
-        [rad]; not before somebody has moved, and not soon after another turn.
+        [rad]; not before somebody has moved, or may have unseen, and not soon after another turn.
         """
         if not settled:
             self.turned = time
         if time - self.turned < DWELL or self._planned == self._frames:
             return None
         self._planned = self._frames  # nothing new is known before the next correction
-        if not (self.acts or self.stirred or self.tracks.spreads.max(initial=0.0) > UNSEEN):
+        if not (self.anybody or self._looks(time)):
             return None
         ahead = tracking.predict(self.tracks, AHEAD)
         offsets = np.arange(-round(SHORT / FINE), round(SHORT / FINE) + 1) * FINE
@@ -254,6 +266,11 @@ class SourceTracker:
         if gain.max() <= MARGIN_DB:
             return None
         return float(here.heading + offsets[gain.argmax()])
+
+    def _looks(self, time: float) -> bool:
+        """Whether to look if anybody has moved unseen: the more seldom the longer all rest."""
+        waited, rested = time - max(self.turned, self._began), self.rested + time - self._began
+        return waited >= AGAIN * rested and bool(self.tracks.spreads.max(initial=0.0) > UNSEEN)
 
     def azimuths_at(self, times: Sequence[float] | Real) -> Real:
         """Where the sources were taken to be at mission times [s], (k, n_times); as they are now for times to come."""

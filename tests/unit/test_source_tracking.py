@@ -10,6 +10,7 @@ import pytest
 from mission_bench import RATE, SETTINGS, Likes, OneGroupEach, Rig, ThreeTalkers, rig
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
+    Checked,
     Doubted,
     Estimate,
     Outcome,
@@ -24,7 +25,7 @@ from ross_payload.events import (
 from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input
 from ross_payload.localization import tracking
 from ross_payload.mission.context import Context, Listening, Tools
-from ross_payload.mission.heading_hold import REALIGNED
+from ross_payload.mission.heading_hold import LOOKING, REALIGNED
 from ross_payload.mission.mission_sequence import mission
 from ross_payload.mission.moving_sources import recognise_moving
 from ross_payload.mission.source_tracking import SourceTracker
@@ -157,6 +158,14 @@ class Unsure(Moving):
     sure = False
 
 
+class Looking(Moving):
+    """Turns although nobody is known to have moved."""
+
+    def hear(self, hop, time):
+        super().hear(hop, time)
+        self.moved = [False] * self.anchor.k
+
+
 def mission_with(tracker, **changes):
     stft = Stft(RATE, 512, 128)
     tools = Tools(ThreeTalkers(), stft, OneGroupEach(), stft, Likes(1), tracker=tracker)
@@ -174,6 +183,26 @@ def test_a_small_turn_is_made_while_it_listens_and_the_period_goes_on():
     assert "pieces" in period.why
     assert len(one.said(SourcesTracked)) == 3
     assert one.joint == pytest.approx(turn.joint)
+
+
+def test_a_look_is_not_said_to_be_a_move():
+    one = mission_with(Looking)
+    one.run()
+    small = [event.reason for event in one.said(TurnStarted) if event.time > one.said(Checked)[-1].time]
+    assert small == [LOOKING]
+
+
+def test_a_tracker_knows_for_how_long_the_sources_have_rested():
+    told = []
+
+    class Notes(Moving):
+        def __post_init__(self):
+            super().__post_init__()
+            told.append(self.rested)
+
+    one = mission_with(Notes)
+    one.run()
+    assert told == [pytest.approx(SETTINGS.unit * (1 + one.said(SourcesEstimated)[-1].rotations))]
 
 
 def test_it_explores_again_when_the_track_is_lost():

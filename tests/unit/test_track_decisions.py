@@ -10,7 +10,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.localization import tracking
 from ross_payload.localization.talker_motion import RATES, around
-from ross_payload.mission.source_tracking import DWELL, SHORT, UPDATE, SourceTracker
+from ross_payload.mission.source_tracking import AGAIN, DWELL, SHORT, UPDATE, SourceTracker
 from ross_payload.pointing import Pointing
 
 SPACING, SPEED = 0.05, 343.0
@@ -77,6 +77,23 @@ def test_the_array_turns_to_look_when_it_is_not_known_whether_somebody_has_moved
     heading = turn(unclear)
     assert heading is not None
     assert abs(math.sin(math.radians(15 - heading))) > 2 * math.sin(math.radians(15))
+
+
+@pytest.mark.parametrize("rested", [0.0, 20.0])
+def test_a_look_comes_the_later_the_longer_all_have_rested(rested):
+    """Heard from 10 s on; the last turn ended at 20 s."""
+    tracker = tracker_of(15, 120, sigma=math.radians(9.0))
+    tracker.rested, tracker._began = rested, 10.0
+    tracker.heading_for(20.0, Pointing(), -FAR, FAR, settled=False)
+    waited = next(seconds for seconds in np.arange(0.0, 20.0, 0.25) if turns_after(tracker, 20.0 + seconds))
+    assert waited == pytest.approx(AGAIN * (rested + 10.0 + waited), abs=0.25)
+    tracker.turned, tracker.stirred = 20.0, True
+    assert turns_after(tracker, 20.0 + DWELL), "somebody has moved"
+
+
+def turns_after(tracker, time):
+    tracker._planned = -1
+    return turn(tracker, time=time) is not None
 
 
 def test_a_track_is_told_for_the_present_and_not_for_the_middle_of_what_was_heard():
@@ -157,6 +174,17 @@ def test_who_has_the_delay_of_its_place_has_moved_where_it_is_clear_that_it_is_e
     tracker = mirrored(sigma_deg)
     for step in range(LASTING):
         assert tracker.moved == [False, False]
+        tracker.corrected(UPDATE * step)
+    assert tracker.moved == [moved, False]
+
+
+@pytest.mark.parametrize(("now", "moved"), [(121, False), (140, True)])
+def test_a_delay_that_is_as_long_as_on_the_axis_is_no_move(now, moved):
+    """At 105 degrees, 15 from the axis, a room draws the delay to 0 a little less than was told of it."""
+    tracker = tracker_of(105, -60)
+    there = tracking.begin(estimate(now, -60, sigma=math.radians(3.0)), SPACING, SPEED)
+    tracker.tracks = replace(there, heading=math.radians(120))
+    for step in range(3 * LASTING):
         tracker.corrected(UPDATE * step)
     assert tracker.moved == [moved, False]
 
