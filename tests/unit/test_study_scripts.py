@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser
 from pathlib import Path
 from types import ModuleType
 
@@ -25,7 +26,7 @@ from ross_sim.study import (
     train_voiceprint,
     voiceprint_study,
 )
-from ross_sim.study.script_errors import told_in_a_line
+from ross_sim.study.script_errors import told_by, told_in_a_line, write_result
 
 MISTAKES = [
     pytest.param(train_refiner.main, ["--readers", "{none}", "--work", "{work}", "{out}"], "none", id="train_refiner"),
@@ -34,6 +35,18 @@ MISTAKES = [
         ["--readers", "{none}", "--speech", "{none}", "--work", "{work}", "{out}"],
         "none",
         id="train_voiceprint",
+    ),
+    pytest.param(
+        train_refiner.main,
+        ["--readers", "{none}", "--work", "{work}", "{folder}"],
+        "expected a file",
+        id="refiner, out",
+    ),
+    pytest.param(
+        train_voiceprint.main,
+        ["--readers", "{none}", "--speech", "{none}", "--work", "{work}", "{folder}"],
+        "expected a file",
+        id="voiceprint, out",
     ),
     pytest.param(predicted_gain_study.main, ["--speech", "{none}"], "none", id="predicted_gain_study"),
     pytest.param(predicted_gain_study.main, ["--rooms", "S9"], "room 'S9' is unknown", id="room"),
@@ -49,7 +62,8 @@ MISTAKES = [
 def test_a_mistake_ends_with_one_line_and_exit_code_2(
     command: click.Command, arguments: list[str], said: str, tmp_path: Path
 ) -> None:
-    paths = {name: str(tmp_path / name) for name in ("none", "work", "out")}
+    paths = {name: str(tmp_path / name) for name in ("none", "work", "out", "folder")}
+    (tmp_path / "folder").mkdir()
     done = CliRunner().invoke(command, [argument.format(**paths) for argument in arguments])
     (line,) = [line for line in done.output.splitlines() if line.startswith("Error: ")]
     assert said in line
@@ -71,12 +85,18 @@ def test_a_mistake_ends_with_one_line_and_exit_code_2(
         (calibrate_voice_model, ["{none}", "{out}", "--speech", "{none}"], "no voice model can be read"),
         (fit_talker_evidence, ["{none}", "{out}", "{out}"], "no such folder of recordings"),
         (fit_evidence_in_noise, ["{none}", "{none}", "{out}"], "{none}"),
+        (fit_evidence_in_noise, ["{none}", "{none}", "{file}/out"], "{file} is a file"),
+        (fit_talker_evidence, ["{none}", "{out}", "{file}/deep/out"], "{file} is a file"),
+        (calibrate_voice_model, ["{none}", "{folder}", "--speech", "{none}"], "{folder}: expected a file"),
+        (moving_talkers, ["--json", "{folder}"], "{folder}: expected a file"),
     ],
 )
 def test_scripts_with_a_parser_of_their_own_say_the_same(
     script: ModuleType, arguments: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    paths = {name: str(tmp_path / name) for name in ("none", "out")}
+    paths = {name: str(tmp_path / name) for name in ("none", "out", "file", "folder")}
+    (tmp_path / "file").touch()
+    (tmp_path / "folder").mkdir()
     with pytest.raises(SystemExit) as ended:
         script.main([argument.format(**paths) for argument in arguments])
     assert ended.value.code == 2
@@ -84,6 +104,17 @@ def test_scripts_with_a_parser_of_their_own_say_the_same(
     assert ": error: " in line
     assert said.format(**paths) in line
     assert not (tmp_path / "out").exists()
+
+
+def test_a_script_with_a_parser_says_that_results_cannot_be_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(SystemExit) as ended, told_by(ArgumentParser("prog")):
+        write_result(tmp_path / "file" / "out", b"")
+    assert ended.value.code == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"prog: error: {tmp_path / 'file' / 'out'}: cannot be written: ")
 
 
 def test_results_that_cannot_be_written_end_with_exit_code_1() -> None:

@@ -23,7 +23,6 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.alignment.plan import HEADINGS, isolation
-from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.mission.identify_target import APART
@@ -34,7 +33,7 @@ from ross_payload.voiceprint.features import at_rate
 from ross_payload.voiceprint.model_folder import read_model
 from ross_sim.study.mixtures import RATE, excerpt, layouts
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, Setting
-from ross_sim.study.script_errors import told_by
+from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.study.voiceprint_study import OUTSIDE, best_heading, separated_at
 from ross_sim.talkers.speech import TalkerVoice, load_folder
 
@@ -162,9 +161,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0)
     asked = parser.parse_args(arguments)
     with told_by(parser):
+        expect_writable(asked.out)
         model = EmbeddingModel(read_model(asked.file), str(asked.file), COSINES)
         found = calibration(model, asked.speech, asked.rooms, asked.draws, asked.seed)
-    write_whole(asked.out, (json.dumps(asdict(found)) + "\n").encode())
+        write_result(asked.out, (json.dumps(asdict(found)) + "\n").encode())
     sys.stdout.write(f"{found}\n")
     return 0
 

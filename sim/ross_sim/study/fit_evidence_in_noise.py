@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ross_payload.atomic_files import write_whole
 from ross_payload.interfaces import Observation, Samples
 from ross_payload.localization.joint import Joint
 from ross_payload.localization.talker_evidence import FEATURES, IN_NOISE
@@ -32,7 +31,7 @@ from ross_sim.study.mixtures import RATE
 from ross_sim.study.noise_scenes import NoiseScene, recordings, scene
 from ross_sim.study.noise_study import observed
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
-from ross_sim.study.script_errors import told_by
+from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.study.training_voices import readers
 from ross_sim.study.voice_augmentation import RATE as READ_AT
 from ross_sim.study.voice_augmentation import at_speed
@@ -84,6 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=4242)
     asked = parser.parse_args(arguments)
     with told_by(parser):
+        expect_writable(asked.out)
         voices, clips = voices_of(asked.folder), played(recordings(asked.noise))
     joint = Joint(SPACING, SPEED_OF_SOUND)
     every: list[Descent] = []
@@ -94,7 +94,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     picked = picked_by(every, partial(count_by_regression, penalty=PENALTY))
     models = {"count": count_by_regression(every, PENALTY), "source": fit_source(picked, PENALTY)}
     about = f"{len(every) // len(ROTATIONS)} scenes in the noise of a vehicle, {len(voices)} talkers, seed {asked.seed}"
-    write_whole(asked.out, encoded(models, about, FEATURES + IN_NOISE))
+    with told_by(parser):
+        write_result(asked.out, encoded(models, about, FEATURES + IN_NOISE))
     sys.stdout.write(f"{about}\n{report(picked, ROTATIONS)}\n")
     return 0
 

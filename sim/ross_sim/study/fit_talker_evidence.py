@@ -23,7 +23,6 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ross_payload.angles import difference
-from ross_payload.atomic_files import write_whole
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Explorer, Observation, Real, Samples
@@ -35,7 +34,7 @@ from ross_sim.study.evidence_scenes import HEADINGS, ROOMS, EvidenceScene, scene
 from ross_sim.study.exploration import FRAME, NEAR_DEG, observed
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
-from ross_sim.study.script_errors import told_by
+from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.talkers.speech import load_folder, read
 
 ROTATIONS = (2, 4, 8, 12)
@@ -251,6 +250,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--keep", type=Path, help="folder in which scenes are kept")
     asked = parser.parse_args(arguments)
     with told_by(parser):
+        expect_writable(asked.out, asked.out_trees)
         voices = readers(asked.folder)
     if asked.keep is not None:
         asked.keep.mkdir(parents=True, exist_ok=True)
@@ -264,8 +264,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         f"{len(every) // len(ROTATIONS)} scenes in {', '.join(asked.rooms)}, {len(voices)} talkers, "
         f"seeds {', '.join(map(str, asked.seeds))}"
     )
-    write_whole(asked.out, encoded({"source": source}, about))
-    write_whole(asked.out_trees, encode_trees(trees))
+    with told_by(parser):
+        write_result(asked.out, encoded({"source": source}, about))
+        write_result(asked.out_trees, encode_trees(trees))
     sys.stdout.write(f"{about}\n{report(picked)}\n")
     return 0
 

@@ -26,13 +26,13 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.angles import difference, wrap
-from ross_payload.atomic_files import write_whole
 from ross_payload.config import validated
 from ross_payload.events import Event, OrientationHeard, Outcome
 from ross_payload.interfaces import Input, Real
 from ross_payload.localization.talker_motion import RATES, around
 from ross_payload.localization.track_hypotheses import Hypothesis
 from ross_payload.localization.tracking import PLACE
+from ross_payload.mission.heading_hold import LOOKING, REALIGNED
 from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.voiceprint import enrol
 from ross_payload.voiceprint.model_folder import ModelFolder
@@ -42,7 +42,7 @@ from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.talker_selection import TalkerSelection
 from ross_sim.study.mixtures import spread
 from ross_sim.study.room_settings import SETTINGS, check_rooms
-from ross_sim.study.script_errors import told_by
+from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of
 
@@ -102,7 +102,7 @@ class Counter(MissionView):
         """Count."""
         if event.time >= self.since:
             self.explorations += isinstance(event, OrientationHeard) and event.index == 0
-            self.turns += getattr(event, "reason", "") == "sources have moved"
+            self.turns += getattr(event, "reason", "") in (REALIGNED, LOOKING)
 
 
 def told(truth: Callable[[float], Real], sets_out: float) -> type[SourceTracker]:
@@ -279,6 +279,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--json", type=Path, help="also write the rows there")
     asked = parser.parse_args(arguments)
     with told_by(parser):
+        if asked.json:
+            expect_writable(asked.json)
         check_rooms(asked.settings)
         voices = voices_of(asked.speech, RATE)
     rows: list[Row] = []
@@ -295,7 +297,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return int(Outcome.STOPPED)
     sys.stdout.write("\n".join(table(rows)) + "\n")
     if asked.json:
-        write_whole(asked.json, (json.dumps([asdict(each) for each in rows], indent=1) + "\n").encode())
+        with told_by(parser):
+            write_result(asked.json, (json.dumps([asdict(each) for each in rows], indent=1) + "\n").encode())
     return 0
 
 

@@ -26,7 +26,6 @@ import click
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.separation.network import arrays_of, encode_network, shipped_arrays
@@ -34,7 +33,7 @@ from ross_sim.cache import Array, cached, fingerprint
 from ross_sim.study import noise_pieces, refiner_model
 from ross_sim.study.refiner_clips import Batch, clips, kept_out, load, piece
 from ross_sim.study.refiner_model import initial, widened
-from ross_sim.study.script_errors import told_in_a_line
+from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
 from ross_sim.study.training_voices import readers
 from ross_sim.study.voice_augmentation import RATE
 from ross_sim.talkers.speech import read
@@ -291,6 +290,7 @@ def main(
 ) -> None:
     """Train and write the weights (.npz)."""
     with told_in_a_line():
+        expect_writable(out)
         with threadpool_limits(1):
             way = training(begin, motor)
             voices = readers(folder, "train")
@@ -301,7 +301,7 @@ def main(
             paths = list(way.make(voices, work / f"{way.folder}clips", n_clips or way.n_clips, seed))
             recipe = replace(way.recipe, n_steps=steps or way.recipe.n_steps)
             content = encode_network(train(paths, watched, work, recipe, seed=seed, purpose=way.purpose))
-        write_whole(out, content)
+        write_result(out, content)
     click.echo(f"{out.name}: {len(content) / 1000:.0f} kB")
 
 

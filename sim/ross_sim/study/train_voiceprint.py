@@ -19,7 +19,6 @@ import numpy as np
 from sklearn.mixture import GaussianMixture
 from threadpoolctl import threadpool_limits
 
-from ross_payload.atomic_files import write_whole
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint.built_in import Background, Factors, Parameters, encode_model, pitch_of, read_model
 from ross_sim.cache import Array, cached
@@ -33,7 +32,7 @@ from ross_sim.study.calibration_voices import (
     reader_voice,
     speaks_long,
 )
-from ross_sim.study.script_errors import told_in_a_line
+from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
 from ross_sim.study.training_voices import readers, recipes, synthetic
 from ross_sim.study.voice_augmentation import excerpt
 from ross_sim.study.voice_calibration import Corpus, calibrated
@@ -141,6 +140,7 @@ def corpora(base: Mapping[str, Real], folds: Mapping[str, int], speech: Path, wo
 def main(folder: Path, speech: Path, work: Path, seed: int, out: Path) -> None:
     """Train, calibrate and write the model."""
     with told_in_a_line():
+        expect_writable(out)
         with threadpool_limits(1):
             base, voices = talkers(folder, seed)
             folds = folds_of(base, seed)
@@ -148,7 +148,7 @@ def main(folder: Path, speech: Path, work: Path, seed: int, out: Path) -> None:
             people = corpora(base, folds, speech, work, seed)
             parameters, lines = calibrated(learnt, people)
             content = encode_model(parameters)
-        write_whole(out, content)
+        write_result(out, content)
     read = read_model(content, out.name)
     click.echo("\n".join(lines))
     click.echo(f"{out.name}: {len(content) / 1000:.0f} kB, {read.fingerprint}, {read.calibration}")
