@@ -379,10 +379,11 @@ class TurningExplorer(Explorer, Protocol):
 class ReconsideringExplorer(Explorer, Protocol):
     """An explorer that can be asked later, once more was heard, how sure it is of what it found."""
 
-    def reconsider(self, observations: Sequence[Observation], k: int) -> Estimate | None:
-        """Explain all observations by ``k`` sources, each with the probability that it is somebody, if that can be.
+    def reconsider(self, observations: Sequence[Observation], believed: Estimate) -> Estimate | None:
+        """Explain all observations by as many sources as are believed in, near where they are believed to be.
 
-        Where it is not unlikely that there are more talkers, the likeliest explanation with more sources is its rival.
+        Each with the probability that it is somebody; None where that cannot be. Where it is not unlikely that there
+        are more talkers, the likeliest explanation with more sources is its rival.
         """
 
 

@@ -205,12 +205,12 @@ class CheckedExplorer:
         """Whether the plug-in has a method ``reconsider``."""
         return callable(getattr(self._explorer, "reconsider", None))
 
-    def reconsider(self, observations: Sequence[Observation], k: int) -> Estimate | None:
-        """Explain all observations by ``k`` sources, if that can be."""
+    def reconsider(self, observations: Sequence[Observation], believed: Estimate) -> Estimate | None:
+        """Explain all observations by the sources that are believed in, if that can be."""
         plugin: ReconsideringExplorer = self._explorer  # type: ignore[assignment]  # one that reconsiders
-        believed = _called(self._who, "reconsider", lambda: plugin.reconsider(observations, k))
-        fault = "" if believed is None else _fault_of_estimate(believed)
-        return _faultless(self._who, "reconsider", believed, fault)
+        renewed = _called(self._who, "reconsider", lambda: plugin.reconsider(observations, believed))
+        fault = "" if renewed is None else _fault_of_estimate(renewed)
+        return _faultless(self._who, "reconsider", renewed, fault)
 
 
 def _expect_methods(who: str, plugin: Any, methods: dict[str, tuple[str, ...]]) -> None:

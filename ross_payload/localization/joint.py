@@ -135,14 +135,24 @@ class Joint:
         """Estimate the azimuths of ``k`` sources; fewer when the histograms do not hold so many."""
         return self._estimate(observations, k)
 
-    def reconsider(self, observations: Sequence[Observation], k: int) -> Estimate | None:
-        """Explain all observations by ``k`` sources, if that can be; see `interfaces.ReconsideringExplorer`."""
+    def reconsider(self, observations: Sequence[Observation], believed: Estimate) -> Estimate | None:
+        """Explain all observations by the sources that are believed in; see `interfaces.ReconsideringExplorer`.
+
+        The mixture begins where they are: one that begins anew explains the same about as well by others, now and then.
+        """
+        if not believed.k or not observations:
+            return None
         evidence, second = self.evidence(observations), None
+        rival, more = 0.0, 0.0
         for fit in self._fits(evidence):
-            if len(fit.step.worth) == k:
-                return self._with_second(evidence, fit, second)
+            if len(fit.step.worth) <= believed.k:
+                rival, more = fit.rival, fit.more
+                break
             second = _likelier(second, fit)
-        return None
+        azimuths = np.array([source.azimuth for source in believed.sources])
+        step = model_order.begun(evidence.rich, self.price, azimuths)
+        likely = talker_evidence.likely(evidence, step, rival)
+        return self._with_second(evidence, Fit(step, rival, likely, more), second)
 
     def _estimate(self, observations: Sequence[Observation], known: int | None) -> Estimate:
         if not observations:

@@ -29,6 +29,7 @@ ASIDE = np.deg2rad(14.0)  # half of the angle between the two that one source is
 MOVED = np.deg2rad(20.0)  # a source that is moved goes further than this [rad]
 MERGED = np.deg2rad(10.0)  # a new source that comes nearer than this [rad] to another explains nothing of its own ...
 MERGERS = 5  # ... and with so many the search ends
+BEGUN = 0.9  # amplitude with which a mixture begins at known azimuths
 TIED = (
     1e-3  # [nat]; gains that differ by less are equal: one heading does not tell 60 degrees aside from 60 degrees below
 )
@@ -97,15 +98,23 @@ def steps(data: Data, price: Price) -> Iterator[Step]:
         if possible:
             model = rearrange(data, model, price)
             near = _too_near(model, price)
-        worth, reduced = worths(data, model)
-        step = Step(
-            model,
-            worth / (price.of(data, model) * price.factors(model.azimuths, model.widths)),
-            reduced,
-            possible and not near,
-        )
+        step = _weighed(data, model, price, possible=possible and not near)
         yield step
-        model = itd_mixture.refine(data, reduced[_nearest(step) if near else step.least], 6)
+        model = itd_mixture.refine(data, step.reduced[_nearest(step) if near else step.least], 6)
+
+
+def begun(data: Data, price: Price, azimuths: Real) -> Step:
+    """Fit the mixture whose sources begin at these azimuths [rad], (k,)."""
+    k = len(azimuths)
+    amplitude = min(max(BEGUN, data.amplitudes[0]), data.amplitudes[1])
+    weights = np.full((data.n_periods, k + itd_mixture.OTHERS), 1 / (k + itd_mixture.OTHERS))
+    model = Mixture(azimuths, np.full(k, amplitude), np.full(k, price.width), weights, amplitude)
+    return _weighed(data, itd_mixture.refine(data, model, 20), price, possible=True)
+
+
+def _weighed(data: Data, model: Mixture, price: Price, *, possible: bool) -> Step:
+    worth, reduced = worths(data, model)
+    return Step(model, worth / (price.of(data, model) * price.factors(model.azimuths, model.widths)), reduced, possible)
 
 
 def search(data: Data, price: Price, known: int) -> Step | None:

@@ -1,7 +1,7 @@
 """Sources confirmed or dropped while the mission listens to one of them.
 
 What is heard at the alignments tells the explorer as much as orientations do. It is asked to explain all of it, the
-exploration and what came after, by as many sources as are believed in: every confidence is then that of everything
+exploration and what came after, by the sources that are believed in: every confidence is then that of everything
 heard. A source that is most probably nobody is dropped; all others stay where they are. Nobody is added: where there
 may be more talkers the estimate has a rival.
 """
@@ -86,7 +86,7 @@ def reconsider(context: Context, estimate: Estimate, source: int | None) -> tupl
     first = context.time if context.reconsidered is None else context.reconsidered[0]
     context.reconsidered = first, context.time
     seen = [*context.observations, *context.heard_since]
-    renewed = reassessed(estimate, explorer.reconsider(seen, estimate.k))
+    renewed = reassessed(estimate, explorer.reconsider(seen, estimate))
     if renewed is None:
         return estimate, everybody
     dropped = doubtful(renewed, source)

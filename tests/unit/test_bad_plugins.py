@@ -95,7 +95,7 @@ class Believes(ThreeTalkers):
 
 
 class Reconsiders(ThreeTalkers):
-    def reconsider(self, observations, k):
+    def reconsider(self, observations, believed):
         return [source()]
 
 

@@ -21,6 +21,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Complex, Observation, Real
 from ross_payload.localization.joint import Joint, Stop, explorer
+from ross_payload.mission.reconsideration import DROPPED
 
 pytestmark = pytest.mark.lockstep
 
@@ -157,20 +158,35 @@ def test_when_k_is_known_so_many_are_placed() -> None:
     assert joint.place([], 2) == Estimate(())
 
 
-@pytest.mark.soak
-def test_asked_again_about_the_same_it_says_the_same_and_about_more_it_is_surer_of_who_is_there() -> None:
+def test_asked_again_it_believes_in_who_is_there_the_more_is_heard_and_not_in_a_ghost() -> None:
     there, joint = list(np.deg2rad([170, 70, -50])), explorer.make(SPACING, SPEED)
     heard = listen(there, 9, noise=2.0, n_frames=360)
-    before = joint.estimate(heard[:5])
-    assert replace(before, certain=False) == replace(joint.reconsider(heard[:5], before.k) or before, certain=False)
-    doubted = joint.reconsider(heard[:5], 3)
-    after = joint.reconsider(heard, 3)
-    assert before.k == 2
+    believed = joint.place(heard[:5], 3)
+    early, late = (joint.reconsider(part, believed) for part in (heard[:5], heard))
+    assert early is not None
+    assert late is not None
+    assert min(source.confidence for source in late.sources) >= min(source.confidence for source in early.sources)
+    assert errors_deg(late, there).max() < 5
+    ghost = replace(believed.sources[0], azimuth=np.deg2rad(-140.0))
+    doubted = joint.reconsider(heard, replace(believed, sources=(*believed.sources, ghost)))
     assert doubted is not None
-    assert after is not None
-    assert min(source.confidence for source in after.sources) > min(source.confidence for source in doubted.sources)
-    assert errors_deg(after, there).max() < 5
-    assert joint.reconsider(heard, 12) is None
+    sure = sorted((source.confidence, source.azimuth) for source in doubted.sources)
+    assert sure[0][0] < DROPPED
+    assert sure[1][0] > 0.9
+    assert np.abs(np.rad2deg(difference(np.array([azimuth for _, azimuth in sure[1:]]), sure[0][1]))).min() > 20
+    assert joint.reconsider(heard, Estimate(())) is None
+    assert joint.reconsider([], believed) is None
+
+
+@pytest.mark.parametrize("side", [60, -60])
+def test_asked_again_a_source_stays_where_it_is_believed_to_be_when_that_explains_all_as_well(side: int) -> None:
+    """One heading does not tell a place from its mirror image in the axis of the array."""
+    joint, heard = explorer.make(SPACING, SPEED), listen(list(np.deg2rad([60])), 1)
+    believed = joint.place(heard, 1)
+    there = replace(believed.sources[0], azimuth=np.deg2rad(side))
+    again = joint.reconsider(heard, replace(believed, sources=(there,)))
+    assert again is not None
+    assert errors_deg(again, list(np.deg2rad([side]))).max() < 5
 
 
 @pytest.mark.parametrize("seed", [0, 1, *in_soak(2)])

@@ -31,8 +31,8 @@ class Again(base.ThreeTalkers):
     sure: tuple[int, ...] = (97, 98, 99)
     asked: list = field(default_factory=list)
 
-    def reconsider(self, observations, k):
-        self.asked.append((len(observations), k))
+    def reconsider(self, observations, believed):
+        self.asked.append((len(observations), believed.k))
         pairs = [(a, s) for a, s in zip(self.azimuths, self.sure, strict=True) if s >= 0]
         sources = (SourceEstimate(wrap(np.deg2rad(a + 3)), 0.01, s / 100, True) for a, s in pairs)
         return Estimate(tuple(sources))
