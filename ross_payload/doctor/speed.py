@@ -16,9 +16,10 @@ from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Clock, Observation, Samples
 from ross_payload.localization.turning import Turned
-from ross_payload.mission.context import Context, Listening, Settings
+from ross_payload.mission.context import Context, Listening
 from ross_payload.mission.identify_target import separate
 from ross_payload.mission.orientation_scan import observe, observe_turned
+from ross_payload.mission.settings import Settings
 from ross_payload.service.assemble import settings_of, tools_of
 
 AZIMUTHS = (-1.2, 0.3, 1.9)  # of the made-up voices [rad]

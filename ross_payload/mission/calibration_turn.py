@@ -10,9 +10,10 @@ from ross_payload.angles import wrap
 from ross_payload.calibration.cross_spectrum import HeadingSpectrum, heading_spectrum
 from ross_payload.events import Finished, Outcome, State
 from ross_payload.interfaces import Mission, Output, Result
-from ross_payload.mission.context import Context, Ended, FrameChanged, Settings, Step, Tools, hop, turn
+from ross_payload.mission.context import Context, Ended, FrameChanged, Step, hop, turn
 from ross_payload.mission.explore import schedule
 from ross_payload.mission.heading_hold import attend, face
+from ross_payload.mission.settings import Settings, Tools
 
 WHOLE = 2 * math.pi
 

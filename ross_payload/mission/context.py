@@ -1,19 +1,16 @@
-"""What the whole mission shares: its settings, its tools, and the hop that exchanges an Output for an Input."""
+"""What the whole mission remembers, and the hop that exchanges an Output for an Input."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
 
-from ross_payload.alignment.plan import Plan, Turn, plan
 from ross_payload.dsp.ego_noise import EgoNoise, learnt
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.rotor_tones import tones
-from ross_payload.dsp.rotors import Rotors
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
     Answer,
@@ -22,33 +19,27 @@ from ross_payload.events import (
     Event,
     NoiseMeasured,
     Outcome,
-    SourceEstimate,
     State,
     StateChanged,
     TurnStarted,
 )
 from ross_payload.interfaces import (
     Complex,
-    Explorer,
     Input,
     Marks,
     Observation,
     Output,
     Real,
-    ReconsideringExplorer,
     Samples,
-    Separator,
-    TurningExplorer,
-    VoicePrint,
 )
-from ross_payload.localization.joint_in_noise import JointInNoise, Learnt
+from ross_payload.localization.joint_in_noise import Learnt
 from ross_payload.mission.heading_control import Follower
+from ross_payload.mission.settings import Settings, Tools
 from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mission.voice_evidence import Evidence
 from ross_payload.mission_state import BUSY
 from ross_payload.orders import Cancel, Order, Set, Shutdown, Stop, Task
 from ross_payload.pointing import Pointing
-from ross_payload.voiceprint import VoiceModel
 
 FOUND = "the vehicle's attitude is now known"
 LOST = "the vehicle's attitude is no longer known"
@@ -57,59 +48,6 @@ T = TypeVar("T")
 Step = Generator[Output, Input, T]
 
 NOTHING = Output()  # is wished for
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """The mission's numbers, in SI and radians."""
-
-    rate: int  # [Hz]
-    spacing: float  # d [m]
-    speed_of_sound: float  # v_p [m/s]
-    lead_in: float  # [s] heard before anything turns
-    unit: float  # T_unit [s]
-    rotation: float  # one step of the exploration [rad]
-    min_rotations: int
-    max_rotations: int
-    pipelined: bool  # try promising alignments before the exploration ends
-    check: float  # T_check [s]
-    run: float  # T_run [s]
-    runs: int  # how many T_run until done, 0: until stopped
-    criterion: float  # a voice above this score is the target
-    max_restarts: int
-    lower: float  # travel of the joint [rad]
-    upper: float  # [rad]
-    seed: int
-    park: float = 0.0  # joint angle where it parks [rad]
-    follow: float = math.radians(2.0)  # a heading that is off by more is followed [rad]
-    track: bool = False  # follow sources that move while it listens
-    level: bool = True  # sources are about as high as the array; not so below a vehicle that flies
-    ego_noise: bool = False  # learn the noise of the vehicle in the lead-in
-    blades: int = 2  # of every rotor
-    turn_rate: float = math.radians(20.0)  # while it explores without a pause [rad/s]
-    periods: int = 0  # T_unit that it listens then, at most; 0: it turns step by step
-    longest_move: float = 30.0  # that the guard bears [s]
-
-
-Planner = Callable[[Sequence[SourceEstimate], Turn, float, float | None], Plan]  # as `ross_payload.alignment.plan.plan`
-
-
-@dataclass(frozen=True, slots=True)
-class Tools:
-    """What the mission hears and decides with; ``plan`` says where to turn, ``tracker`` follows who moves."""
-
-    explorer: Explorer
-    explorer_stft: Stft
-    separator: Separator
-    stft: Stft
-    voiceprint: VoicePrint | None  # of the target, None: nobody is sought
-    plan: Planner = plan
-    voice_model: VoiceModel | None = None  # enrols on the way; None: the built-in one
-    tracker: type[SourceTracker] = SourceTracker
-    rotors: Rotors | None = None  # of the vehicle
-    in_noise: JointInNoise | None = None  # observes for the explorer where the vehicle makes noise
-    turning: TurningExplorer | None = None  # the explorer, where it is to hear while the array turns
-    reconsidering: ReconsideringExplorer | None = None  # the explorer, where it can be asked again later
 
 
 class Ended(Exception):

@@ -25,7 +25,8 @@ from ross_payload.events import (
     State,
 )
 from ross_payload.interfaces import Input, Mission, Output, Result, VoicePrint
-from ross_payload.mission.context import NOTHING, Context, Ended, FrameChanged, Settings, Step, Tools, exchange
+from ross_payload.mission.context import NOTHING, Context, Ended, FrameChanged, Step, exchange
+from ross_payload.mission.settings import Settings, Tools
 from ross_payload.mission.tasks import Memory, TaskRefused, perform, refusal
 from ross_payload.mission_state import BUSY
 from ross_payload.orders import Cancel, MeasureNoise, Order, Point, Rearm, Set, Shutdown, Stop, Task

@@ -6,11 +6,12 @@ from ross_payload.errors import PluginError
 from ross_payload.events import Doubted, Estimate, Finished, Outcome, SourcesEstimated, State
 from ross_payload.interfaces import Mission, Output, Result
 from ross_payload.mission.align import align
-from ross_payload.mission.context import Context, Ended, FrameChanged, Settings, Step, Tools, hop
+from ross_payload.mission.context import Context, Ended, FrameChanged, Step, hop
 from ross_payload.mission.exploit import DROPPED, Search, run, search, search_among
 from ross_payload.mission.explore import lead_in
 from ross_payload.mission.orientation_scan import matched
 from ross_payload.mission.reconsideration import reconsider
+from ross_payload.mission.settings import Settings, Tools
 from ross_payload.mission.slip_detection import survey
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ross_payload.mission.context import Settings
+from ross_payload.mission.settings import Settings
 
 HALF = math.pi  # turned to one side: half a turn shows every axis, and what is beyond it nothing new [rad]
 IN_TIME = 0.8  # of the longest time that a move may take

@@ -15,7 +15,7 @@ from ross_payload.errors import PluginError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Attitude, VoicePrint
 from ross_payload.localization.joint_in_noise import JointInNoise
-from ross_payload.mission.context import Planner, Settings, Tools
+from ross_payload.mission.settings import Planner, Settings, Tools
 from ross_payload.plugin_checks import CheckedExplorer, checked_explorer, load_separator
 from ross_payload.voiceprint.model_folder import ModelFolder
 

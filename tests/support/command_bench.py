@@ -11,8 +11,8 @@ from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Attitude, AudioBlock, Input, Observation
 from ross_payload.mavlink.message_requests import MessageRequests
 from ross_payload.mavlink.mission_commands import MissionCommands
-from ross_payload.mission.context import Tools
 from ross_payload.mission.live_session import Kit, LiveSession
+from ross_payload.mission.settings import Tools
 from ross_payload.orders import Stop
 from ross_payload.pointing import Pointing
 from ross_payload.service.assemble import settings_of

@@ -8,8 +8,8 @@ from ross_payload.alignment.plan import plan
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input, Observation, Score, VoicePrint
-from ross_payload.mission.context import Settings, Tools
 from ross_payload.mission.mission_sequence import mission
+from ross_payload.mission.settings import Settings, Tools
 from ross_payload.pointing import Pointing
 
 RATE, HOP = 8000, 80

@@ -14,8 +14,8 @@ from ross_payload.events import (
     StateChanged,
 )
 from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input, Observation, Score, VoicePrint
-from ross_payload.mission.context import Settings, Tools
 from ross_payload.mission.live_session import Kit, LiveSession
+from ross_payload.mission.settings import Settings, Tools
 from ross_payload.pointing import Pointing
 
 RATE, HOP = 8000, 80

@@ -25,9 +25,9 @@ from ross_payload.events import (
     TurnStarted,
 )
 from ross_payload.interfaces import Attitude, Observation
-from ross_payload.mission.context import Tools
 from ross_payload.mission.heard_turning import HeardTurning
 from ross_payload.mission.mission_sequence import mission
+from ross_payload.mission.settings import Tools
 from ross_payload.mission.sweep import sweep_from
 from ross_payload.orders import Stop
 from ross_payload.pointing import Pointing

@@ -12,7 +12,8 @@ from mount_bench import Drone
 from ross_payload.config import Config, validated
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Attitude, AudioBlock, Input
-from ross_payload.mission.context import Context, Tools, speeds_by_hop
+from ross_payload.mission.context import Context, speeds_by_hop
+from ross_payload.mission.settings import Tools
 from ross_payload.pointing import Pointing
 from ross_payload.service.assemble import settings_of
 from ross_payload.sessions import input_log

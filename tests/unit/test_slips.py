@@ -11,7 +11,8 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.events import Doubted, Estimate, OrientationHeard, Outcome, Slipped, SourceEstimate, SourcesEstimated
 from ross_payload.interfaces import Observation
 from ross_payload.localization.rotation_estimate import common_shift, common_turn
-from ross_payload.mission.context import Context, Listening, Tools, hop
+from ross_payload.mission.context import Context, Listening, hop
+from ross_payload.mission.settings import Tools
 from ross_payload.mission.slip_detection import survey, suspicion
 
 AZIMUTHS = (170, 70, -50)

@@ -24,10 +24,11 @@ from ross_payload.events import (
 )
 from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input
 from ross_payload.localization import tracking
-from ross_payload.mission.context import Context, Listening, Tools
+from ross_payload.mission.context import Context, Listening
 from ross_payload.mission.heading_hold import LOOKING, REALIGNED
 from ross_payload.mission.mission_sequence import mission
 from ross_payload.mission.moving_sources import recognise_moving
+from ross_payload.mission.settings import Tools
 from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mission_state import MissionState, reduce
 from ross_payload.pointing import Pointing
