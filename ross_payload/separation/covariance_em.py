@@ -13,6 +13,7 @@ from ross_payload.interfaces import Real
 from ross_payload.separation.cacgmm import AT_ONCE
 
 ROUNDS = 3
+SINGULAR = 1e-6  # of the squared trace: a determinant in single precision is not known better
 
 
 def reestimated(observed: Real, covariances: Real, psds: Real) -> Real:
@@ -45,7 +46,8 @@ def _rounds(observed: Real, covariances: Real, psds: Real) -> Real:
     own, every, shown = _weighted(psds), psds[:, :-1], np.swapaxes(observed, 1, 2)
     for _ in range(ROUNDS):
         total = np.swapaxes(sources, 1, 2) @ every + noise
-        inner = np.maximum(determinant(np.swapaxes(total, 1, 2)), np.finfo(psds.dtype).tiny)
+        inner = np.maximum(determinant(np.swapaxes(total, 1, 2)), SINGULAR * (total[:, 0] + total[:, 1]) ** 2)
+        inner = np.maximum(inner, np.finfo(psds.dtype).tiny)
         fit = (adjugate(total, axis=1) * observed).sum(axis=1) / inner
         share = own / inner[:, None]
         opposite = (share * (fit - 1)[:, None]) @ np.swapaxes(total, 1, 2) - share @ shown  # adj(G)

@@ -100,3 +100,16 @@ def test_a_source_without_reflections_keeps_its_direction() -> None:
     np.testing.assert_allclose(
         reestimated(outer(mixture).astype(np.float32), covariances, psds), covariances, atol=1e-3
     )
+
+
+@pytest.mark.parametrize("noise", [1e-7, 1e-12])
+def test_a_voice_far_above_the_noise_keeps_the_covariance_of_its_direction(noise: float) -> None:
+    """Single precision has no determinant left there: it may be 0, or below, and one over it overflows."""
+    rng = np.random.default_rng(6)
+    waves = direct(np.array([1000.0]), np.array([1e-4]))
+    voice = rng.standard_normal(300) + 1j * rng.standard_normal(300)
+    mixture = np.array([1.0, np.exp(2j * np.pi * 0.1)])[:, None, None] * voice
+    covariances = np.concatenate([waves, WHITE[None, None]], axis=1).astype(np.float32)
+    psds = np.stack([np.abs(voice) ** 2, np.full(300, noise)])[None].astype(np.float32)
+    found = reestimated(outer(mixture).astype(np.float32), covariances, psds)
+    np.testing.assert_allclose(found, covariances, atol=0.01)
