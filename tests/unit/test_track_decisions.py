@@ -181,8 +181,8 @@ def test_who_has_the_delay_of_its_place_has_moved_where_it_is_clear_that_it_is_e
 @pytest.mark.parametrize(("now", "moved"), [(121, False), (140, True)])
 def test_a_delay_that_is_as_long_as_on_the_axis_is_no_move(now, moved):
     """At 105 degrees, 15 from the axis, a room draws the delay to 0 a little less than was told of it."""
-    tracker = tracker_of(105, -60)
-    there = tracking.begin(estimate(now, -60, sigma=math.radians(3.0)), SPACING, SPEED)
+    tracker = tracker_of(105, 20)
+    there = tracking.begin(estimate(now, 20, sigma=math.radians(3.0)), SPACING, SPEED)
     tracker.tracks = replace(there, heading=math.radians(120))
     for step in range(3 * LASTING):
         tracker.corrected(UPDATE * step)
