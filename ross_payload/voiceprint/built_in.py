@@ -4,7 +4,8 @@ A mixture over the frames of many voices is the background. How the frames of on
 explained by some hundred factors ("i-vector": Dehak, Kenny, Dehak, Dumouchel and Ouellet, "Front-end factor analysis
 for speaker verification", IEEE Trans. Audio, Speech and Language Processing 19 (2011)); short recordings move them
 little. Together with the pitch they are projected to where talkers differ and rooms, separators and noise do not
-(linear discriminant analysis). Two recordings are compared by the cosine of what comes out.
+(linear discriminant analysis). A recording is compared with a print by the cosine of what comes out, normalised by
+those with other talkers (`ross_payload.voiceprint.score_normalisation`).
 """
 
 from __future__ import annotations
@@ -27,12 +28,13 @@ from ross_payload.voiceprint.embedding_print import (
     unit,
 )
 from ross_payload.voiceprint.features import RATE, Features, analyse
+from ross_payload.voiceprint.score_normalisation import Cohort
 
 FILE = "built_in.npz"
-HALVED = ("means", "deviations", "directions")  # float16: rounding moves a score by less than 0.01 nat
+HALVED = ("means", "deviations", "directions", "cohort")  # float16: rounding moves a score by less than 0.01 nat
 PITCH_QUANTILES = (20, 50, 80)  # [percent]
 USUAL_PITCH, PITCH_SPREAD = 5.0, 0.3  # of the logarithm of F0 / 1 Hz
-SEVERAL = 1.0  # `Embedder.several` [nat], as docs/decisions/0119 measured it
+SEVERAL = 1.0  # `Embedder.several` [nat], docs/decisions/0119 and 0125
 PITCH_FRAMES = 20.0  # after so many, half of the pitch is believed
 
 
@@ -48,6 +50,7 @@ class Parameters:
     independence: Real  # how many independent frames one frame counts for, ()
     centre: Real  # of factors and pitch, (n_factors + 3,)
     directions: Real  # in which talkers differ, (n_factors + 3, size)
+    cohort: Real  # embeddings of other talkers, of length 1, (n, size)
     slopes: Real  # of the calibration, (2,)
     thresholds: Real  # (2,)
     separated: Real  # log-likelihood ratio [nat] at which a print of a separated voice is undecided, ()
@@ -68,11 +71,16 @@ class BuiltInModel:
         self.size = parameters.directions.shape[1]
         self._background = Background(parameters.weights, parameters.means, parameters.deviations)
         self._factors = Factors(parameters.loadings * parameters.steps, float(parameters.independence))
+        self._cohort = Cohort(parameters.cohort)
 
     def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EmbeddingPrint:
         """Return the print of a voice (n,) at `RATE`; one that was ``separated`` has a criterion of its own."""
         criterion = round(float(self.parameters.separated), 4) if separated else 0.0
         return enrolled_print(self, samples, features.seconds, separated=separated, criterion=criterion)
+
+    def likeness(self, enrolled: Real, heard: Real) -> float:
+        """Return how alike two embeddings (size,) are: their cosine, normalised [standard deviations]."""
+        return self._cohort.normalised(enrolled, heard)
 
     def embed(self, samples: Real) -> Real:
         """Return the embedding of a recording (n,) at `RATE`, of length 1 or, with hardly any voice, 0, (size,)."""

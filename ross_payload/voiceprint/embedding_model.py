@@ -68,6 +68,10 @@ class EmbeddingModel:
         """
         return unit(np.concatenate([unit(self._run(filter_banks(samples))), self._built_in.embed(samples)]))
 
+    def likeness(self, enrolled: Real, heard: Real) -> float:
+        """Return how alike two embeddings (size,) are: their cosine."""
+        return float(enrolled @ heard)
+
     def _run(self, features: Real) -> Real:
         return np.asarray(self._session.run(None, {self._input: features[None]})[0][0], np.float64)
 

@@ -1,4 +1,4 @@
-"""A voice print that is one vector, compared by its cosine with that of a recording.
+"""A voice print that is one vector, compared with that of a recording as its model says.
 
 A print is the mean of the vectors of the enrolment and of disturbed copies of it ("multi-condition"), since what it is
 compared with was separated from others in a room.
@@ -25,21 +25,21 @@ SHORT_S, LONG_S = 3.0, 10.0  # durations at which a model is calibrated [s]
 
 @dataclass(frozen=True, slots=True)
 class Calibration:
-    """From a cosine to a log-likelihood ratio, by the duration of what is scored.
+    """From how alike two embeddings are to a log-likelihood ratio, by the duration of what is scored.
 
-    The ratio [nat] is slope * (cosine - threshold); both are those of `SHORT_S` and `LONG_S`, between them they follow
-    the logarithm of the duration, beyond them they stay.
+    The ratio [nat] is slope * (likeness - threshold); both are those of `SHORT_S` and `LONG_S`, between them they
+    follow the logarithm of the duration, beyond them they stay.
     """
 
     slopes: tuple[float, float]  # [nat]
     thresholds: tuple[float, float]
     source: str = ""  # how it was measured, in words; empty: it was not, these are another model's
 
-    def ratio(self, cosine: float, seconds: float) -> float:
-        """Return the log-likelihood ratio [nat] of a cosine that was measured on so many seconds."""
+    def ratio(self, likeness: float, seconds: float) -> float:
+        """Return the log-likelihood ratio [nat] of a likeness that was measured on so many seconds."""
         where = np.log(np.clip(seconds, SHORT_S, LONG_S) / SHORT_S) / np.log(LONG_S / SHORT_S)
         slope, threshold = (first + where * (last - first) for first, last in (self.slopes, self.thresholds))
-        return float(slope * (cosine - threshold))
+        return float(slope * (likeness - threshold))
 
 
 class Embedder(Protocol):
@@ -51,15 +51,18 @@ class Embedder(Protocol):
 
     @property
     def calibration(self) -> Calibration:
-        """How cosines are read."""
+        """How a likeness is read."""
 
     @property
     def several(self) -> float:
-        """By how much the ratio of several clips is too high [nat], since single ones have calibrated it."""
+        """By how much the ratio of several clips is lowered [nat]: with them a mission decides."""
 
     @property
     def size(self) -> int:
         """Numbers of an embedding."""
+
+    def likeness(self, enrolled: Real, heard: Real) -> float:
+        """Return how alike the embeddings of a print and of a recording are, (size,) each."""
 
     def embed(self, samples: Real) -> Real:
         """Return the embedding of a recording (n,) at `RATE`, of length 1 or, without speech, 0, (size,)."""
@@ -119,7 +122,8 @@ class EmbeddingPrint:
         """Compare the embedding (size,) of so many seconds with the enrolled voice; 0 is undecided."""
         if not embedding.any():
             return Score(0.0, accepted=False)
-        value = self.model.calibration.ratio(float(self.embedding @ embedding), seconds) - self.criterion
+        likeness = self.model.likeness(self.embedding, embedding)
+        value = self.model.calibration.ratio(likeness, seconds) - self.criterion
         return Score(value, accepted=value > 0.0)
 
     def agreed(self, consent: str) -> EmbeddingPrint:

@@ -109,6 +109,9 @@ def test_a_voice_is_compared_with_its_fold_by_what_was_learnt_without_it():
         def embedding_of(self, features):
             return features[[self.axis]]
 
+        def likeness(self, enrolled, heard):
+            return float(enrolled @ heard)
+
     voices = {
         "a": np.array([1.0, 0.0]),
         "b": np.array([-1.0, 0.0]),
@@ -119,7 +122,7 @@ def test_a_voice_is_compared_with_its_fold_by_what_was_learnt_without_it():
     enrolled = {0: {name: [voices[name]] for name in "ab"}, 1: {name: [voices[name]] for name in "cd"}}
     models = {0: Model(0), 1: Model(1)}
     found = trials(models, Corpus(heard_of, enrolled))[3.0]
-    assert found.cosines.tolist() == [1.0, -1.0, -1.0, 1.0] * 2
+    assert found.likeness.tolist() == [1.0, -1.0, -1.0, 1.0] * 2
     assert found.own.tolist() == [True, False, False, True] * 2
 
 

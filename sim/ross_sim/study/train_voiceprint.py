@@ -21,6 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint.built_in import Background, Factors, Parameters, encode_model, pitch_of, read_model
+from ross_payload.voiceprint.embedding_print import unit
 from ross_sim.cache import Array, cached
 from ross_sim.study.calibration_voices import (
     N_FOLDS,
@@ -88,7 +89,8 @@ def trained(
         whole, steps = loadings(counts[kept], sums[kept], work / mark)
         extract, width = Factors(whole * steps, INDEPENDENCE), sums.shape[1] // N_GAUSSIANS
         each = [np.append(extract.of(counts[i], sums[i].reshape(-1, width)), pitches[i]) for i in kept]
-        centre, directions = discriminants(np.array(each), [names[i] for i in kept], SIZE, SHRINKAGE)
+        talkers_of = [names[i] for i in kept]
+        centre, directions = discriminants(np.array(each), talkers_of, SIZE, SHRINKAGE)
         learnt[fold] = Parameters(
             **fitted,
             loadings=whole,
@@ -96,11 +98,23 @@ def trained(
             independence=np.array(INDEPENDENCE),
             centre=centre,
             directions=directions,
+            cohort=cohort((np.array(each) - centre) @ directions, talkers_of),
             slopes=np.ones(2),
             thresholds=np.zeros(2),
             separated=np.array(0.0),
         )
     return learnt
+
+
+def cohort(vectors: Real, talkers: Sequence[str]) -> Real:
+    """Return one embedding (n, size) of each talker, not of those at other speeds, by what was heard of them (m, size).
+
+    >>> cohort(np.array([[3.0, 0.0], [0.0, 4.0], [1.0, 0.0]]), ["b", "a", "b"]).tolist()
+    [[0.0, 1.0], [1.0, 0.0]]
+    """
+    owners, lengths = np.array(talkers), np.linalg.norm(vectors, axis=1, keepdims=True)
+    names = [name for name in sorted(set(talkers)) if reader_of(name) == name]
+    return np.array([unit((vectors / lengths)[owners == name].sum(axis=0)) for name in names])
 
 
 def loadings(counts: Real, sums: Real, work: Path) -> tuple[Real, Real]:

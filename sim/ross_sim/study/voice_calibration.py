@@ -1,4 +1,4 @@
-"""From cosines of the built-in model of voices to log-likelihood ratios: slopes and thresholds by duration.
+"""From how alike voices are to the built-in model to log-likelihood ratios: slopes and thresholds by duration.
 
 Logistic regression over several corpora, all weighted alike, and targets as much as strangers. Readers who trained the
 model are scored by another one that was learnt without their fold.
@@ -20,7 +20,7 @@ from ross_sim.study.calibrate_voice_model import logistic
 from ross_sim.study.calibration_voices import Heard
 from ross_sim.study.voiceprint_study import CRITERION, DURATIONS, equal_error_rate
 
-MARGIN = 1.0  # a stranger is heard more often than the target, and has to be so far below [nat]
+MARGIN = 0.5  # a stranger is heard more often than the target, and has to be so far below [nat]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,9 +33,9 @@ class Corpus:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trials:
-    """Cosines (n,) of one duration, and where the voice was that of the print, (n,)."""
+    """How alike voices and prints are, (n,), of one duration, and where the voice was that of the print, (n,)."""
 
-    cosines: Real
+    likeness: Real
     own: NDArray[np.bool_]
 
 
@@ -54,7 +54,7 @@ def calibrated(learnt: Mapping[int | None, Parameters], corpora: Sequence[Corpus
     lines = []
     for of in measured:
         for place, seconds in enumerate(DURATIONS):
-            ratios = slopes[place] * (of[seconds].cosines - thresholds[place])
+            ratios = slopes[place] * (of[seconds].likeness - thresholds[place])
             targets, strangers = ratios[of[seconds].own], ratios[~of[seconds].own]
             rates = np.mean(targets <= CRITERION), np.mean(strangers > CRITERION), equal_error_rate(targets, strangers)
             told = ", ".join(f"{100 * rate:.1f}" for rate in rates)
@@ -70,18 +70,18 @@ def trials(models: Mapping[int | None, BuiltInModel], corpus: Corpus) -> dict[fl
         prints = {name: unit(np.sum([embed(clip) for clip in clips], axis=0)) for name, clips in people.items()}
         for one in corpus.heard:
             if fold in (one.fold, None):
-                embedding, (cosines, own) = embed(one.features), found[one.seconds]
-                cosines += [float(embedding @ print_) for print_ in prints.values()]
+                embedding, (likeness, own) = embed(one.features), found[one.seconds]
+                likeness += [models[fold].likeness(print_, embedding) for print_ in prints.values()]
                 own += [one.talker == name for name in prints]
-    return {seconds: Trials(np.array(cosines), np.array(own, bool)) for seconds, (cosines, own) in found.items()}
+    return {seconds: Trials(np.array(likeness), np.array(own, bool)) for seconds, (likeness, own) in found.items()}
 
 
 def fitted(parts: Sequence[Trials]) -> tuple[float, float]:
-    """Fit slope [nat] and threshold to the cosines of corpora; they, and targets and strangers, count alike."""
-    cosines, own = np.concatenate([part.cosines for part in parts]), np.concatenate([part.own for part in parts])
+    """Fit slope [nat] and threshold to the trials of corpora; they, and targets and strangers, count alike."""
+    likeness, own = np.concatenate([part.likeness for part in parts]), np.concatenate([part.own for part in parts])
     shares = [np.where(part.own, 1 / part.own.sum(), 1 / (~part.own).sum()) for part in parts]
     weights = np.concatenate(shares)
-    return logistic(cosines, own, weights * len(own) / weights.sum())
+    return logistic(likeness, own, weights * len(own) / weights.sum())
 
 
 def criterion(model: BuiltInModel, heard: Sequence[Heard]) -> float:
@@ -97,7 +97,7 @@ def criterion(model: BuiltInModel, heard: Sequence[Heard]) -> float:
         for print_, enrolled in said:
             if print_.seconds == max(DURATIONS):
                 others = [(one, vector) for one, vector in said if one.seconds == seconds and one.scene != print_.scene]
-                ratios += [model.calibration.ratio(float(enrolled @ vector), seconds) for _, vector in others]
+                ratios += [model.calibration.ratio(model.likeness(enrolled, vector), seconds) for _, vector in others]
                 own += [print_.talker == one.talker for one, _ in others]
         slope, threshold = logistic(np.array(ratios), np.array(own))
         criteria.append(threshold + MARGIN / slope)
