@@ -18,9 +18,7 @@ def command() -> None:
 
 @command.command("add")
 @click.argument("file", metavar="FILE.onnx", type=click.Path(path_type=Path))
-@click.option(
-    "--calibration", type=click.Path(path_type=Path), help="How its cosines are read; else as those of CAM++."
-)
+@click.option("--calibration", type=click.Path(path_type=Path), help="How its scores are read; else as those of CAM++.")
 def add(file: Path, calibration: Path | None) -> None:
     """Check FILE.onnx and keep a copy: from 80 Kaldi filter banks at 16 kHz to one embedding."""
     from ross_payload.voiceprint.model_folder import ModelFolder

@@ -4,8 +4,8 @@ The networks that are published for speaker verification share one form: log ene
 them (16 kHz, frames of 25 ms every 10 ms, Povey window, no dither), their mean over time removed, give one vector,
 and two recordings are compared by the cosine of theirs.
 
-The built-in model errs elsewhere than a network does, and costs little: the cosine that counts is the mean of both
-(linear fusion of scores).
+The built-in model errs elsewhere than a network does, and costs little: what it says is added (linear fusion of
+scores).
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from ross_payload.voiceprint.features import RATE, Features
 BANDS = 80
 FULL_SCALE = 32768.0  # Kaldi's samples are those of 16 bits
 LEAST_FRAMES = 30  # 0.3 s: what a network is tried with
+BUILT_IN = 0.05  # weight of what the built-in model says beside the cosine of a network
 
 
 class EmbeddingModel:
@@ -37,7 +38,7 @@ class EmbeddingModel:
     name
         Of the file, for messages.
     calibration
-        How cosines are read.
+        How a likeness is read.
 
     Raises
     ------
@@ -54,8 +55,8 @@ class EmbeddingModel:
         self._session, self._input = _opened(content, name)
         told = self._session.get_modelmeta().custom_metadata_map
         self.licence: str = told.get("license", told.get("licence", ""))  # empty: the file names none
-        alone = len(self._run(np.zeros((LEAST_FRAMES, BANDS), np.float32)))
-        self.size = alone + self._built_in.size  # numbers of an embedding
+        self._alone = len(self._run(np.zeros((LEAST_FRAMES, BANDS), np.float32)))  # numbers of the network's part
+        self.size = self._alone + self._built_in.size  # numbers of an embedding
 
     def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EmbeddingPrint:
         """Return the print of a voice (n,) at `RATE`: of its recording and, unless it was ``separated``, of copies."""
@@ -64,13 +65,15 @@ class EmbeddingModel:
     def embed(self, samples: Real) -> Real:
         """Return the embedding of a recording (n,) at `RATE`, of length 1, (size,).
 
-        It is that of the network and that of the built-in model, side by side: a cosine is the mean of the two.
+        It is that of the network and that of the built-in model, side by side.
         """
         return unit(np.concatenate([unit(self._run(filter_banks(samples))), self._built_in.embed(samples)]))
 
     def likeness(self, enrolled: Real, heard: Real) -> float:
-        """Return how alike two embeddings (size,) are: their cosine."""
-        return float(enrolled @ heard)
+        """Return how alike two embeddings (size,) are: the cosine by the network, and what the built-in model says."""
+        (own, given), (mine, told) = (np.split(each, [self._alone]) for each in (enrolled, heard))
+        cosine = float(unit(own) @ unit(mine))
+        return cosine + BUILT_IN * self._built_in.likeness(unit(given), unit(told))
 
     def _run(self, features: Real) -> Real:
         return np.asarray(self._session.run(None, {self._input: features[None]})[0][0], np.float64)

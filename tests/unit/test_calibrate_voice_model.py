@@ -1,4 +1,4 @@
-"""From cosines of a network to ratios: what is compared, and how it is weighed."""
+"""From what a network says to ratios: what is compared, and how it is weighed."""
 
 from types import SimpleNamespace
 
@@ -20,7 +20,10 @@ NAMES = ("ann", "bob", "eve", "joe", "sue")
 def crowd():
     """Everybody says a number of their own, and is known by it."""
     voices = [TalkerVoice(name, np.full(12 * RATE, 1.0 + n), np.ones(RATE), RATE) for n, name in enumerate(NAMES)]
-    model = SimpleNamespace(embed=lambda clip: np.eye(len(NAMES))[round(float(np.median(clip))) - 1])
+    model = SimpleNamespace(
+        embed=lambda clip: np.eye(len(NAMES))[round(float(np.median(clip))) - 1],
+        likeness=lambda enrolled, heard: 2 * float(enrolled @ heard),
+    )
     return Crowd(model, voices, dict(zip(NAMES, np.eye(len(NAMES)), strict=True)))
 
 
@@ -37,7 +40,7 @@ def test_every_voice_is_heard_from_one_heading_for_3_s_and_from_three_for_10_and
     found = list(comparisons(crowd, "S1", 4, draws=2, seed=0))
     assert [round(seconds, 1) for _, seconds in heard[:4]] == [3.0, 3.3, 3.3, 3.3]
     assert len(found) == 2 * 4 * 2 * len(NAMES)
-    assert all((each.cosine == pytest.approx(1.0)) == each.own for each in found)
+    assert all((each.likeness == pytest.approx(2.0)) == each.own for each in found)
     assert sum(each.own for each in found) == 2 * 4 * 2
 
 

@@ -11,7 +11,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.voiceprint import VoiceStore, built_in_model, enrol
 from ross_payload.voiceprint.built_in import SEVERAL
 from ross_payload.voiceprint.disturbed_copies import COPIES, disturbed
-from ross_payload.voiceprint.embedding_model import EmbeddingModel
+from ross_payload.voiceprint.embedding_model import BUILT_IN, EmbeddingModel
 from ross_payload.voiceprint.embedding_print import Calibration, unit
 from ross_payload.voiceprint.features import RATE, at_rate
 from ross_payload.voiceprint.model_folder import ANY, ModelFolder
@@ -126,12 +126,19 @@ def test_a_voice_scores_higher_against_its_own_print(network):
     assert print_.score(vowel(seed=2).repeat(3), 3 * RATE).value == pytest.approx(own, abs=0.5)  # another rate
 
 
-def test_a_cosine_is_the_mean_of_those_of_the_network_and_of_the_built_in_model(network):
+def test_what_the_built_in_model_says_is_added_to_the_cosine_of_the_network(network):
     voices = [vowel(seed=1), vowel(formant=2500.0, seed=2)]
-    built_in = [built_in_model().embed(voice) for voice in voices]
-    alone = [network.embed(voice)[:SIZE] for voice in voices]
-    cosines = [float(one @ other) / np.sqrt(one @ one * (other @ other)) for one, other in (alone, built_in)]
-    assert float(network.embed(voices[0]) @ network.embed(voices[1])) == pytest.approx(np.mean(cosines))
+    enrolled, heard = (unit(3 * network.embed(voice) + network.embed(vowel(seed=3))) for voice in voices)
+    cosine = float(unit(enrolled[:SIZE]) @ unit(heard[:SIZE]))
+    told = built_in_model().likeness(unit(enrolled[SIZE:]), unit(heard[SIZE:]))
+    assert network.likeness(enrolled, heard) == pytest.approx(cosine + BUILT_IN * told)
+    assert network.likeness(enrolled, heard) == pytest.approx(network.likeness(enrolled, 0.5 * heard))
+
+
+def test_where_the_built_in_model_has_heard_nothing_the_network_decides(network):
+    enrolled, heard = (network.embed(vowel(seed=seed)) for seed in (1, 2))
+    heard[SIZE:] = 0.0
+    assert network.likeness(enrolled, heard) == pytest.approx(float(unit(enrolled[:SIZE]) @ unit(heard[:SIZE])))
 
 
 def test_clips_of_one_voice_count_by_how_long_they_are_and_each_is_looked_at_once(network, ann, monkeypatch):

@@ -1,4 +1,4 @@
-"""How the cosines of a network are read: ``python -m ross_sim.study.calibrate_voice_model FILE.onnx OUT.json``.
+"""How what a network says is read: ``python -m ross_sim.study.calibrate_voice_model FILE.onnx OUT.json``.
 
 Three and four talkers stand around the array in each room and are separated by `auto`. As a mission does, every voice
 is heard for 3 s at its best heading, and for 10 s at that and two more which isolate it by half as much or more; it is
@@ -38,14 +38,14 @@ from ross_sim.study.voiceprint_study import OUTSIDE, best_heading, separated_at
 from ross_sim.talkers.speech import TalkerVoice, load_folder
 
 PENALTY = 1e-5  # of the squared slope: where a network makes no mistake, its slope would have no bound
-MARGIN = 1.0  # [nat]
+MARGIN = 2.0  # [nat]: of readers whom no model was calibrated on as many are then rejected as strangers pass
 TALKERS = (3, 4)  # at a time
 HEADINGS_OF = {3.0: 1, 10.0: 3}  # at how many headings a voice is heard for so long [s]
-COSINES = Calibration((1.0, 1.0), (0.0, 0.0))  # scores are the cosines themselves
+PLAIN = Calibration((1.0, 1.0), (0.0, 0.0))  # a score is the likeness itself
 
 
-def logistic(cosines: Real, own: Real, weights: Real | None = None) -> tuple[float, float]:
-    """Fit slope [nat] and threshold to cosines (n,), ``own`` (n,) where the voice was that of the print.
+def logistic(likeness: Real, own: Real, weights: Real | None = None) -> tuple[float, float]:
+    """Fit slope [nat] and threshold to likenesses (n,), ``own`` (n,) where the voice was that of the print.
 
     Both classes count alike, unless there are ``weights`` (n,).
 
@@ -57,13 +57,13 @@ def logistic(cosines: Real, own: Real, weights: Real | None = None) -> tuple[flo
 
     alike = "balanced" if weights is None else None
     model = LogisticRegression(class_weight=alike, C=1 / (PENALTY * len(own)), max_iter=1000, tol=1e-8)
-    model.fit(cosines[:, None], own, sample_weight=weights)
+    model.fit(likeness[:, None], own, sample_weight=weights)
     slope = float(model.coef_[0, 0])
     return slope, -float(model.intercept_[0]) / slope
 
 
 def calibration(model: EmbeddingModel, speech: Path, rooms: Sequence[str], draws: int, seed: int) -> Calibration:
-    """Measure a network whose scores are cosines, `COSINES`, on the talkers of a folder but for `OUTSIDE`.
+    """Measure a network on the talkers of a folder but for `OUTSIDE`.
 
     Raises
     ------
@@ -97,7 +97,7 @@ class Comparison:
     """A separated voice and a print."""
 
     seconds: float
-    cosine: float
+    likeness: float
     own: bool  # the print is of this talker
 
 
@@ -112,7 +112,7 @@ def comparisons(crowd: Crowd, room: str, talkers: int, draws: int, seed: int) ->
             for seconds, clips in heard_of(target, said, azimuths, SETTINGS[room], rng):
                 embedding = unit(np.sum([crowd.model.embed(at_rate(clip, RATE)) for clip in clips], axis=0))
                 for name, print_ in crowd.prints.items():
-                    yield Comparison(seconds, float(print_ @ embedding), name == voice.name)
+                    yield Comparison(seconds, crowd.model.likeness(print_, embedding), name == voice.name)
 
 
 def heard_of(
@@ -145,8 +145,8 @@ def fitted(parts: Sequence[Sequence[Comparison]]) -> tuple[float, float]:
     counts = [Counter(each.own for each in part) for part in parts]
     weights = [[1 / count[each.own] for each in part] for part, count in zip(parts, counts, strict=True)]
     every = [each for part in parts for each in part]
-    cosines, own = np.array([each.cosine for each in every]), np.array([each.own for each in every])
-    slope, threshold = logistic(cosines, own, np.concatenate(weights) * len(every) / (2 * len(parts)))
+    likeness, own = np.array([each.likeness for each in every]), np.array([each.own for each in every])
+    slope, threshold = logistic(likeness, own, np.concatenate(weights) * len(every) / (2 * len(parts)))
     return round(slope, 1), round(threshold + MARGIN / slope, 3)
 
 
@@ -162,7 +162,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     asked = parser.parse_args(arguments)
     with told_by(parser):
         expect_writable(asked.out)
-        model = EmbeddingModel(read_model(asked.file), str(asked.file), COSINES)
+        model = EmbeddingModel(read_model(asked.file), str(asked.file), PLAIN)
         found = calibration(model, asked.speech, asked.rooms, asked.draws, asked.seed)
         write_result(asked.out, (json.dumps(asdict(found)) + "\n").encode())
     sys.stdout.write(f"{found}\n")
