@@ -96,6 +96,7 @@ class Context:
     explored: list[Listening] = field(default_factory=list)  # of the latest exploration
     observations: list[Observation] = field(default_factory=list)  # what they tell the explorer
     beliefs: list[Estimate] = field(default_factory=list)  # one after each of them
+    unvisited: list[tuple[float, float]] = field(default_factory=list)  # headings and joint angles left of it [rad]
     heard_since: list[Observation] = field(default_factory=list)  # what the listening since then tells the explorer
     reconsidered: tuple[float, float] | None = None  # when it was asked about that first and last [s], None: never
     believed: tuple[Estimate, int] | None = None  # what the latest run believed at last, and whom it listened to

@@ -14,7 +14,7 @@ from ross_payload.events import ArrayContradicted, Doubted, Estimate, State
 from ross_payload.mission.context import Context, FrameChanged, Step, listen
 from ross_payload.mission.explore_turning import explore_turning
 from ross_payload.mission.heading_hold import face
-from ross_payload.mission.orientation_scan import certain, orientation, say_belief
+from ross_payload.mission.orientation_scan import certain, matched, orientation, say_belief
 from ross_payload.mission.pipeline import Visits, promising, visit
 
 SAME = 0.5  # of a step: an alignment so near to an orientation of the schedule takes its place
@@ -37,7 +37,7 @@ def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
     left = context.settings.max_restarts
     while True:
         context.drop_frame()
-        context.explored, context.observations, context.beliefs = [], [], []
+        context.explored, context.observations, context.beliefs, context.unvisited = [], [], [], []
         context.heard_since, context.reconsidered = [], None
         try:
             explorer = context.tools.turning
@@ -64,30 +64,63 @@ def check_array(context: Context) -> None:
 
 def _orientations(context: Context) -> Step[tuple[Estimate, int | None]]:
     """Visit what is scheduled as joint angles for where the base is now; the headings that they give are meant."""
-    todo, visits, zero = list(schedule(context)), Visits(), context.pointing.zero
+    visits, zero = Visits(), context.pointing.zero
+    todo = [(zero + joint, joint) for joint in schedule(context)]
     while todo and not (context.beliefs and certain(context)):
         promise = promising(context, visits) if context.settings.pipelined else None
         if promise is None:
-            here = context.pointing.joint + wrap(context.pointing.zero - zero)
-            joint = min(todo, key=lambda joint: round(abs(joint - here), 9))
-            todo.remove(joint)
-            yield from _step(context, zero + joint, joint, last=not todo)
+            yield from _step(context, *_nearest(context, todo))
+            say_belief(context, final=not todo or certain(context))
             continue
-        todo = [joint for joint in todo if not _same(context, zero + joint, promise.candidate.heading)]
+        todo = [each for each in todo if not _same(context, each[0], promise.candidate.heading)]
         source = yield from visit(context, promise, visits, last=not todo)
         if source is not None:
             return context.beliefs[-1], source
+    context.unvisited = [] if context.settings.pipelined else todo
     return context.beliefs[-1], None
 
 
-def _step(context: Context, heading: float, joint: float, *, last: bool) -> Step[None]:
+def explore_on(context: Context, known: Estimate) -> Step[Estimate | None]:
+    """Visit the orientations that the exploration has left out, until the explorer is certain of somebody not known.
+
+    Returns what it believes then; None when none was left out.
+    """
+    belief: Estimate | None = None
+    while context.unvisited:
+        yield from _step(context, *_nearest(context, context.unvisited))
+        belief = context.beliefs[-1]
+        found = bool(added(known, belief)) and certain(context)
+        say_belief(context, final=found or not context.unvisited)
+        if found:
+            break
+    return belief
+
+
+def added(known: Estimate, belief: Estimate) -> set[int]:
+    """Return the sources of a belief that are none of those known."""
+    return set(range(belief.k)) - set(matched([source.azimuth for source in known.sources], belief).values())
+
+
+def _nearest(context: Context, todo: list[tuple[float, float]]) -> tuple[float, float]:
+    """Take the heading and joint angle [rad] with the least travel out of those that are left."""
+    here = context.pointing
+
+    def travel(each: tuple[float, float]) -> float:
+        heading, joint = each
+        return round(abs(joint - here.joint - wrap(here.zero - heading + joint)), 9)
+
+    nearest = min(todo, key=travel)
+    todo.remove(nearest)
+    return nearest
+
+
+def _step(context: Context, heading: float, joint: float) -> Step[None]:
     r = len(context.explored)
     if r:
         context.enter(State.EXPLORE_TURN, f"rotation {r} of {context.settings.max_rotations}")
         yield from face(context, heading, joint, f"rotation {r}")
     context.enter(State.EXPLORE_LISTEN, f"orientation {r}")
     yield from orientation(context, context.settings.unit)
-    say_belief(context, final=last or certain(context))
 
 
 def _same(context: Context, heading: float, other: float) -> bool:

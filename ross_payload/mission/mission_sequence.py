@@ -8,7 +8,7 @@ from ross_payload.interfaces import Mission, Output, Result
 from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, FrameChanged, Step, hop
 from ross_payload.mission.exploit import DROPPED, Search, run, search, search_among
-from ross_payload.mission.explore import lead_in
+from ross_payload.mission.explore import added, explore_on, lead_in
 from ross_payload.mission.orientation_scan import matched
 from ross_payload.mission.reconsideration import reconsider
 from ross_payload.mission.settings import Settings, Tools
@@ -88,6 +88,8 @@ def _attempt(
         if among is None:
             return None, why, False
         among, source = yield from _sought(context, among)
+        if source is None:
+            among, source = yield from _sought_on(context, among)
         estimate = among.estimate
     if source is None:
         estimate, _ = reconsider(context, estimate, None)
@@ -117,18 +119,39 @@ def _sought(context: Context, among: Search) -> Step[tuple[Search, int | None]]:
     source, rival = (yield from search(context, among)), among.estimate.rival
     if source is not None or rival is None:
         return among, source
-    known = matched([each.azimuth for each in among.estimate.sources], rival)
-    if len(set(known.values())) == rival.k:
+    if not added(among.estimate, rival):
         return among, None
     _say_estimate(context, rival)
-    other = search_among(context, rival, align(context, rival), known=among.evidence.renamed(known))
-    other.longer = {known[each] for each in among.longer if each in known}
-    other.left = [candidate for candidate in other.left if candidate.source not in known.values()]
+    other = _newcomers(context, among, rival)
     source = (yield from search(context, other)) if other.left else None
     if source is not None:
         return other, source
     _say_estimate(context, among.estimate)
     return among, None
+
+
+def _sought_on(context: Context, among: Search) -> Step[tuple[Search, int | None]]:
+    """Where nobody is recognised, explore what was left out, and search among those who are found then.
+
+    Returns as `_sought`. Who has been heard is not visited again: what was heard of them goes on to count.
+    """
+    belief = yield from explore_on(context, among.estimate)
+    if belief is None:
+        return among, None
+    if not added(among.estimate, belief):
+        among.estimate = belief
+        return among, None
+    other = _newcomers(context, among, belief)
+    return other, ((yield from search(context, other)) if other.left else None)
+
+
+def _newcomers(context: Context, among: Search, estimate: Estimate) -> Search:
+    """Begin to look for the target among the sources of another estimate who have not been heard yet."""
+    known = matched([each.azimuth for each in among.estimate.sources], estimate)
+    other = search_among(context, estimate, align(context, estimate), known=among.evidence.renamed(known))
+    other.longer = {known[each] for each in among.longer if each in known}
+    other.left = [candidate for candidate in other.left if candidate.source not in known.values()]
+    return other
 
 
 def _say_estimate(context: Context, estimate: Estimate) -> None:
