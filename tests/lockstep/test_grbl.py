@@ -35,5 +35,7 @@ def test_a_switch_is_found_before_the_mission(fly, tmp_path):
     scenario.write_text('title = "grbl with a switch"\n[[talkers]]\nazimuth_deg = 40\n[[talkers]]\nazimuth_deg = 155\n'
                         "[[talkers]]\nazimuth_deg = -80\n" + SWITCH)  # fmt: skip
     report = fly("--scenario", scenario)
-    step = 0.1125  # [deg], by which a switch may be off
-    assert all(abs(source["azimuth_error_deg"]) <= 0.5 + step for source in report["sources"])
+    step = 0.1125  # [deg], by which a switch may be off: all azimuths alike
+    errors = [source["azimuth_error_deg"] for source in report["sources"]]
+    assert abs(sum(errors) / len(errors)) <= 0.2 + step
+    assert max(map(abs, errors)) <= 1.0
