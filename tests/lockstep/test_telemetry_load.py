@@ -187,8 +187,9 @@ def test_in_real_time_three_links_and_their_telemetry_take_less_than_3_percent_o
                 os.read(far, 65536)
         cancel()
         sent = [link.sent for link in links.status()]
-    used = (others() - started) / (clock.now() - begun)
+    lasted = clock.now() - begun
+    used = (others() - started) / lasted
     os.close(far)
     os.close(near)
-    assert min(sent) > 400
+    assert min(sent) > 10 * lasted
     assert used < 0.03, f"{used:.2%}"
