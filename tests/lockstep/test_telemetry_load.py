@@ -162,8 +162,8 @@ def test_a_peer_that_asks_for_everything_gets_no_more_than_the_budget(mission):
 
 
 @pytest.mark.soak
-def test_in_real_time_three_links_and_their_telemetry_take_less_than_3_percent_of_a_core(mission):
-    """The pump with a serial line and two UDP ports; the thread that feeds it with hops does not count."""
+def test_in_real_time_three_links_and_their_telemetry_take_less_than_5_percent_of_a_core(mission):
+    """The pump and its waking up, with a serial line and two UDP ports; the thread that feeds it does not count."""
     config, story = mission
     far, near = pty.openpty()
     tty.setraw(near)
@@ -192,4 +192,4 @@ def test_in_real_time_three_links_and_their_telemetry_take_less_than_3_percent_o
     os.close(far)
     os.close(near)
     assert min(sent) > 10 * lasted
-    assert used < 0.03, f"{used:.2%}"
+    assert used < 0.05, f"{used:.2%}"
