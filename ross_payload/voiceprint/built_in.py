@@ -78,7 +78,7 @@ class BuiltInModel:
         criterion = round(float(self.parameters.separated), 4) if separated else 0.0
         return enrolled_print(self, samples, features.seconds, separated=separated, criterion=criterion)
 
-    def likeness(self, enrolled: Real, heard: Real) -> float:
+    def similarity(self, enrolled: Real, heard: Real) -> float:
         """Return how alike two embeddings (size,) are: their cosine, normalised [standard deviations]."""
         return self._cohort.normalised(enrolled, heard)
 

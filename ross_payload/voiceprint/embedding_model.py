@@ -38,7 +38,7 @@ class EmbeddingModel:
     name
         Of the file, for messages.
     calibration
-        How a likeness is read.
+        How a similarity is read.
 
     Raises
     ------
@@ -69,11 +69,11 @@ class EmbeddingModel:
         """
         return unit(np.concatenate([unit(self._run(filter_banks(samples))), self._built_in.embed(samples)]))
 
-    def likeness(self, enrolled: Real, heard: Real) -> float:
+    def similarity(self, enrolled: Real, heard: Real) -> float:
         """Return how alike two embeddings (size,) are: the cosine by the network, and what the built-in model says."""
         (own, given), (mine, told) = (np.split(each, [self._alone]) for each in (enrolled, heard))
         cosine = float(unit(own) @ unit(mine))
-        return cosine + BUILT_IN * self._built_in.likeness(unit(given), unit(told))
+        return cosine + BUILT_IN * self._built_in.similarity(unit(given), unit(told))
 
     def _run(self, features: Real) -> Real:
         return np.asarray(self._session.run(None, {self._input: features[None]})[0][0], np.float64)

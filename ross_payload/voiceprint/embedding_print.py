@@ -27,7 +27,7 @@ SHORT_S, LONG_S = 3.0, 10.0  # durations at which a model is calibrated [s]
 class Calibration:
     """From how alike two embeddings are to a log-likelihood ratio, by the duration of what is scored.
 
-    The ratio [nat] is slope * (likeness - threshold); both are those of `SHORT_S` and `LONG_S`, between them they
+    The ratio [nat] is slope * (similarity - threshold); both are those of `SHORT_S` and `LONG_S`, between them they
     follow the logarithm of the duration, beyond them they stay.
     """
 
@@ -35,11 +35,11 @@ class Calibration:
     thresholds: tuple[float, float]
     source: str = ""  # how it was measured, in words; empty: it was not, these are another model's
 
-    def ratio(self, likeness: float, seconds: float) -> float:
-        """Return the log-likelihood ratio [nat] of a likeness that was measured on so many seconds."""
+    def ratio(self, similarity: float, seconds: float) -> float:
+        """Return the log-likelihood ratio [nat] of a similarity that was measured on so many seconds."""
         where = np.log(np.clip(seconds, SHORT_S, LONG_S) / SHORT_S) / np.log(LONG_S / SHORT_S)
         slope, threshold = (first + where * (last - first) for first, last in (self.slopes, self.thresholds))
-        return float(slope * (likeness - threshold))
+        return float(slope * (similarity - threshold))
 
 
 class Embedder(Protocol):
@@ -51,7 +51,7 @@ class Embedder(Protocol):
 
     @property
     def calibration(self) -> Calibration:
-        """How a likeness is read."""
+        """How a similarity is read."""
 
     @property
     def several(self) -> float:
@@ -61,7 +61,7 @@ class Embedder(Protocol):
     def size(self) -> int:
         """Numbers of an embedding."""
 
-    def likeness(self, enrolled: Real, heard: Real) -> float:
+    def similarity(self, enrolled: Real, heard: Real) -> float:
         """Return how alike the embeddings of a print and of a recording are, (size,) each."""
 
     def embed(self, samples: Real) -> Real:
@@ -122,8 +122,8 @@ class EmbeddingPrint:
         """Compare the embedding (size,) of so many seconds with the enrolled voice; 0 is undecided."""
         if not embedding.any():
             return Score(0.0, accepted=False)
-        likeness = self.model.likeness(self.embedding, embedding)
-        value = self.model.calibration.ratio(likeness, seconds) - self.criterion
+        similarity = self.model.similarity(self.embedding, embedding)
+        value = self.model.calibration.ratio(similarity, seconds) - self.criterion
         return Score(value, accepted=value > 0.0)
 
     def agreed(self, consent: str) -> EmbeddingPrint:

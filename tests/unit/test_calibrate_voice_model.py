@@ -22,7 +22,7 @@ def crowd():
     voices = [TalkerVoice(name, np.full(12 * RATE, 1.0 + n), np.ones(RATE), RATE) for n, name in enumerate(NAMES)]
     model = SimpleNamespace(
         embed=lambda clip: np.eye(len(NAMES))[round(float(np.median(clip))) - 1],
-        likeness=lambda enrolled, heard: 2 * float(enrolled @ heard),
+        similarity=lambda enrolled, heard: 2 * float(enrolled @ heard),
     )
     return Crowd(model, voices, dict(zip(NAMES, np.eye(len(NAMES)), strict=True)))
 
@@ -40,7 +40,7 @@ def test_every_voice_is_heard_from_one_heading_for_3_s_and_from_three_for_10_and
     found = list(comparisons(crowd, "S1", 4, draws=2, seed=0))
     assert [round(seconds, 1) for _, seconds in heard[:4]] == [3.0, 3.3, 3.3, 3.3]
     assert len(found) == 2 * 4 * 2 * len(NAMES)
-    assert all((each.likeness == pytest.approx(2.0)) == each.own for each in found)
+    assert all((each.similarity == pytest.approx(2.0)) == each.own for each in found)
     assert sum(each.own for each in found) == 2 * 4 * 2
 
 

@@ -45,5 +45,5 @@ def test_the_built_in_model_brings_its_cohort():
     assert cohort.shape == (239, model.size)  # 211 readers and 28 synthetic voices
     assert np.linalg.norm(cohort, axis=1) == pytest.approx(1.0, abs=2e-3)  # float16
     voice, other = cohort[0], cohort[1]
-    assert model.likeness(voice, voice) == pytest.approx(Cohort(cohort).normalised(voice, voice))
-    assert model.likeness(voice, voice) > 3.0 > model.likeness(other, voice)
+    assert model.similarity(voice, voice) == pytest.approx(Cohort(cohort).normalised(voice, voice))
+    assert model.similarity(voice, voice) > 3.0 > model.similarity(other, voice)

@@ -130,15 +130,15 @@ def test_what_the_built_in_model_says_is_added_to_the_cosine_of_the_network(netw
     voices = [vowel(seed=1), vowel(formant=2500.0, seed=2)]
     enrolled, heard = (unit(3 * network.embed(voice) + network.embed(vowel(seed=3))) for voice in voices)
     cosine = float(unit(enrolled[:SIZE]) @ unit(heard[:SIZE]))
-    told = built_in_model().likeness(unit(enrolled[SIZE:]), unit(heard[SIZE:]))
-    assert network.likeness(enrolled, heard) == pytest.approx(cosine + BUILT_IN * told)
-    assert network.likeness(enrolled, heard) == pytest.approx(network.likeness(enrolled, 0.5 * heard))
+    told = built_in_model().similarity(unit(enrolled[SIZE:]), unit(heard[SIZE:]))
+    assert network.similarity(enrolled, heard) == pytest.approx(cosine + BUILT_IN * told)
+    assert network.similarity(enrolled, heard) == pytest.approx(network.similarity(enrolled, 0.5 * heard))
 
 
 def test_where_the_built_in_model_has_heard_nothing_the_network_decides(network):
     enrolled, heard = (network.embed(vowel(seed=seed)) for seed in (1, 2))
     heard[SIZE:] = 0.0
-    assert network.likeness(enrolled, heard) == pytest.approx(float(unit(enrolled[:SIZE]) @ unit(heard[:SIZE])))
+    assert network.similarity(enrolled, heard) == pytest.approx(float(unit(enrolled[:SIZE]) @ unit(heard[:SIZE])))
 
 
 def test_clips_of_one_voice_count_by_how_long_they_are_and_each_is_looked_at_once(network, ann, monkeypatch):

@@ -84,8 +84,8 @@ def test_what_is_separated_is_the_talker_and_as_long(voices):
     found = heard(clips, np.random.default_rng(7))
     assert [len(one) for one in found if one is not None] == [len(clip) for clip in clips]
     spectra = [np.abs(np.fft.rfft(clip, 4 * RATE))[: 3 * RATE] for clip in (*clips, *found)]
-    likeness = np.corrcoef(spectra)[3:, :3]
-    assert likeness.argmax(axis=1).tolist() == [0, 1, 2]
+    similarity = np.corrcoef(spectra)[3:, :3]
+    assert similarity.argmax(axis=1).tolist() == [0, 1, 2]
 
 
 def test_readers_are_dealt_to_folds_by_the_seed_those_who_speak_for_long_evenly():
@@ -109,7 +109,7 @@ def test_a_voice_is_compared_with_its_fold_by_what_was_learnt_without_it():
         def embedding_of(self, features):
             return features[[self.axis]]
 
-        def likeness(self, enrolled, heard):
+        def similarity(self, enrolled, heard):
             return float(enrolled @ heard)
 
     voices = {
@@ -122,7 +122,7 @@ def test_a_voice_is_compared_with_its_fold_by_what_was_learnt_without_it():
     enrolled = {0: {name: [voices[name]] for name in "ab"}, 1: {name: [voices[name]] for name in "cd"}}
     models = {0: Model(0), 1: Model(1)}
     found = trials(models, Corpus(heard_of, enrolled))[3.0]
-    assert found.likeness.tolist() == [1.0, -1.0, -1.0, 1.0] * 2
+    assert found.similarity.tolist() == [1.0, -1.0, -1.0, 1.0] * 2
     assert found.own.tolist() == [True, False, False, True] * 2
 
 

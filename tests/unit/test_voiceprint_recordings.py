@@ -75,9 +75,10 @@ def test_the_training_command_makes_the_shipped_model(tmp_path):
 def test_disturbed_voices_of_three_seconds_are_told_apart(people, prints):
     targets, strangers = [], []
     for name, person in people.items():
-        for copy in disturbed(clip(person, 22, 3), seed=22):
-            for other, value in scores(copy, prints).items():
-                (targets if other == name else strangers).append(value)
+        for start in (2, 22, 32):
+            for copy in disturbed(clip(person, start, 3), seed=start):
+                for other, value in scores(copy, prints).items():
+                    (targets if other == name else strangers).append(value)
     assert equal_error_rate(np.array(targets), np.array(strangers)) < 0.12
     assert np.mean(np.array(strangers) > CRITERION) < 0.2
-    assert np.mean(np.array(targets) <= CRITERION) <= 0.1  # three of thirty
+    assert np.mean(np.array(targets) <= CRITERION) < 0.1

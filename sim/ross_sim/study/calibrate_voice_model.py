@@ -41,11 +41,11 @@ PENALTY = 1e-5  # of the squared slope: where a network makes no mistake, its sl
 MARGIN = 2.0  # [nat]: of readers whom no model was calibrated on as many are then rejected as strangers pass
 TALKERS = (3, 4)  # at a time
 HEADINGS_OF = {3.0: 1, 10.0: 3}  # at how many headings a voice is heard for so long [s]
-PLAIN = Calibration((1.0, 1.0), (0.0, 0.0))  # a score is the likeness itself
+PLAIN = Calibration((1.0, 1.0), (0.0, 0.0))  # a score is the similarity itself
 
 
-def logistic(likeness: Real, own: Real, weights: Real | None = None) -> tuple[float, float]:
-    """Fit slope [nat] and threshold to likenesses (n,), ``own`` (n,) where the voice was that of the print.
+def logistic(similarity: Real, own: Real, weights: Real | None = None) -> tuple[float, float]:
+    """Fit slope [nat] and threshold to similarities (n,), ``own`` (n,) where the voice was that of the print.
 
     Both classes count alike, unless there are ``weights`` (n,).
 
@@ -57,7 +57,7 @@ def logistic(likeness: Real, own: Real, weights: Real | None = None) -> tuple[fl
 
     alike = "balanced" if weights is None else None
     model = LogisticRegression(class_weight=alike, C=1 / (PENALTY * len(own)), max_iter=1000, tol=1e-8)
-    model.fit(likeness[:, None], own, sample_weight=weights)
+    model.fit(similarity[:, None], own, sample_weight=weights)
     slope = float(model.coef_[0, 0])
     return slope, -float(model.intercept_[0]) / slope
 
@@ -97,7 +97,7 @@ class Comparison:
     """A separated voice and a print."""
 
     seconds: float
-    likeness: float
+    similarity: float
     own: bool  # the print is of this talker
 
 
@@ -112,7 +112,7 @@ def comparisons(crowd: Crowd, room: str, talkers: int, draws: int, seed: int) ->
             for seconds, clips in heard_of(target, said, azimuths, SETTINGS[room], rng):
                 embedding = unit(np.sum([crowd.model.embed(at_rate(clip, RATE)) for clip in clips], axis=0))
                 for name, print_ in crowd.prints.items():
-                    yield Comparison(seconds, crowd.model.likeness(print_, embedding), name == voice.name)
+                    yield Comparison(seconds, crowd.model.similarity(print_, embedding), name == voice.name)
 
 
 def heard_of(
@@ -145,8 +145,8 @@ def fitted(parts: Sequence[Sequence[Comparison]]) -> tuple[float, float]:
     counts = [Counter(each.own for each in part) for part in parts]
     weights = [[1 / count[each.own] for each in part] for part, count in zip(parts, counts, strict=True)]
     every = [each for part in parts for each in part]
-    likeness, own = np.array([each.likeness for each in every]), np.array([each.own for each in every])
-    slope, threshold = logistic(likeness, own, np.concatenate(weights) * len(every) / (2 * len(parts)))
+    similarity, own = np.array([each.similarity for each in every]), np.array([each.own for each in every])
+    slope, threshold = logistic(similarity, own, np.concatenate(weights) * len(every) / (2 * len(parts)))
     return round(slope, 1), round(threshold + MARGIN / slope, 3)
 
 

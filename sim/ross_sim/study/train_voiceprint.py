@@ -109,7 +109,7 @@ def trained(
 def cohort(vectors: Real, talkers: Sequence[str]) -> Real:
     """Return one embedding (n, size) of each talker, not of those at other speeds, by what was heard of them (m, size).
 
-    >>> cohort(np.array([[3.0, 0.0], [0.0, 4.0], [1.0, 0.0]]), ["b", "a", "b"]).tolist()
+    >>> cohort(np.array([[3.0, 0.0], [0.0, 4.0], [1.0, 0.0], [1.0, 1.0]]), ["b", "a", "b", "a@0.9"]).tolist()
     [[0.0, 1.0], [1.0, 0.0]]
     """
     owners, lengths = np.array(talkers), np.linalg.norm(vectors, axis=1, keepdims=True)

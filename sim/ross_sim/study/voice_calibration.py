@@ -35,7 +35,7 @@ class Corpus:
 class Trials:
     """How alike voices and prints are, (n,), of one duration, and where the voice was that of the print, (n,)."""
 
-    likeness: Real
+    similarity: Real
     own: NDArray[np.bool_]
 
 
@@ -54,7 +54,7 @@ def calibrated(learnt: Mapping[int | None, Parameters], corpora: Sequence[Corpus
     lines = []
     for of in measured:
         for place, seconds in enumerate(DURATIONS):
-            ratios = slopes[place] * (of[seconds].likeness - thresholds[place])
+            ratios = slopes[place] * (of[seconds].similarity - thresholds[place])
             targets, strangers = ratios[of[seconds].own], ratios[~of[seconds].own]
             rates = np.mean(targets <= CRITERION), np.mean(strangers > CRITERION), equal_error_rate(targets, strangers)
             told = ", ".join(f"{100 * rate:.1f}" for rate in rates)
@@ -70,18 +70,18 @@ def trials(models: Mapping[int | None, BuiltInModel], corpus: Corpus) -> dict[fl
         prints = {name: unit(np.sum([embed(clip) for clip in clips], axis=0)) for name, clips in people.items()}
         for one in corpus.heard:
             if fold in (one.fold, None):
-                embedding, (likeness, own) = embed(one.features), found[one.seconds]
-                likeness += [models[fold].likeness(print_, embedding) for print_ in prints.values()]
+                embedding, (similarity, own) = embed(one.features), found[one.seconds]
+                similarity += [models[fold].similarity(print_, embedding) for print_ in prints.values()]
                 own += [one.talker == name for name in prints]
-    return {seconds: Trials(np.array(likeness), np.array(own, bool)) for seconds, (likeness, own) in found.items()}
+    return {seconds: Trials(np.array(similarity), np.array(own, bool)) for seconds, (similarity, own) in found.items()}
 
 
 def fitted(parts: Sequence[Trials]) -> tuple[float, float]:
     """Fit slope [nat] and threshold to the trials of corpora; they, and targets and strangers, count alike."""
-    likeness, own = np.concatenate([part.likeness for part in parts]), np.concatenate([part.own for part in parts])
+    similarity, own = np.concatenate([part.similarity for part in parts]), np.concatenate([part.own for part in parts])
     shares = [np.where(part.own, 1 / part.own.sum(), 1 / (~part.own).sum()) for part in parts]
     weights = np.concatenate(shares)
-    return logistic(likeness, own, weights * len(own) / weights.sum())
+    return logistic(similarity, own, weights * len(own) / weights.sum())
 
 
 def criterion(model: BuiltInModel, heard: Sequence[Heard]) -> float:
@@ -97,7 +97,7 @@ def criterion(model: BuiltInModel, heard: Sequence[Heard]) -> float:
         for print_, enrolled in said:
             if print_.seconds == max(DURATIONS):
                 others = [(one, vector) for one, vector in said if one.seconds == seconds and one.scene != print_.scene]
-                ratios += [model.calibration.ratio(model.likeness(enrolled, vector), seconds) for _, vector in others]
+                ratios += [model.calibration.ratio(model.similarity(enrolled, vector), seconds) for _, vector in others]
                 own += [print_.talker == one.talker for one, _ in others]
         slope, threshold = logistic(np.array(ratios), np.array(own))
         criteria.append(threshold + MARGIN / slope)
