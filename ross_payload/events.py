@@ -205,10 +205,11 @@ class Separated(Event):
 
 @dataclass(frozen=True, slots=True)
 class ScoreDropped(Event):
-    """The running target no longer sounds like the target: the mission starts again."""
+    """The running target no longer sounds like the target, or another source more so: somebody else is looked for."""
 
     value: float
-    criterion: float
+    criterion: float  # or the score of the other source
+    other: int | None = None  # the source that sounds more like the target, and comes next
 
 
 @dataclass(frozen=True, slots=True)

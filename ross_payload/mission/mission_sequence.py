@@ -7,7 +7,7 @@ from ross_payload.events import Doubted, Estimate, Finished, Outcome, SourcesEst
 from ross_payload.interfaces import Mission, Output, Result
 from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Ended, FrameChanged, Step, hop
-from ross_payload.mission.exploit import DROPPED, Search, run, search, search_among
+from ross_payload.mission.exploit import DROPPED, OUTSCORED, Search, run, search, search_among
 from ross_payload.mission.explore import added, explore_on, lead_in
 from ross_payload.mission.orientation_scan import matched
 from ross_payload.mission.reconsideration import reconsider
@@ -95,11 +95,11 @@ def _attempt(
         estimate, _ = reconsider(context, estimate, None)
         return None, f"none of the {estimate.k} voices is the target's", False
     while True:
-        why = yield from run(context, estimate, source, doubts=doubts)
+        why = yield from run(context, estimate, source, among, doubts=doubts)
         at_once = context.evidence is not None  # fell below the criterion as soon as it was heard longer
         believed, source = context.believed or (estimate, source)
         other = None
-        if why == DROPPED and at_once and among is not None:
+        if why in {DROPPED, OUTSCORED} and at_once and among is not None:
             if believed.k != among.estimate.k:
                 _say_estimate(context, among.estimate)
             among, other = yield from _sought(context, among)

@@ -44,7 +44,8 @@ def line(event: events.Event) -> Line | None:
         case events.Checked(accepted=int(group)):
             said = Severity.NOTICE, f"target recognised: {_who(event.groups[group])}"
         case events.ScoreDropped():
-            said = Severity.WARNING, f"target lost, score {event.value:.1f} below {event.criterion:.1f}"
+            whose = "" if event.other is None else f" of source {event.other}"
+            said = Severity.WARNING, f"target lost, score {event.value:.1f} below {event.criterion:.1f}{whose}"
         case events.Slipped():
             said = Severity.WARNING, f"all azimuths shifted by {rotation(event.shift, 0)}: the array has slipped"
         case events.ArrayContradicted():

@@ -97,9 +97,13 @@ class Likes(VoicePrint):
     mood: dict = field(default_factory=dict)
     heard: list = field(default_factory=list)
 
+    @staticmethod
+    def who(voice):
+        """Which group of `OneGroupEach` a voice is."""
+        return round(float(np.abs(voice).max() / 0.1)) - 1
+
     def score(self, voice, rate):
-        number = round(float(np.abs(voice).max() / 0.1)) - 1
-        when = occasion(voice)
+        number, when = self.who(voice), occasion(voice)
         self.heard.append(when)
         mine = self.mood.get(when, 1.0)
         mine = mine(self.heard.count(when)) if callable(mine) else mine

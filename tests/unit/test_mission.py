@@ -1,6 +1,6 @@
 """The mission is a coroutine: these tests send it Inputs and read its Outputs; nothing else moves."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -252,6 +252,53 @@ def test_when_a_voice_turns_out_to_be_another_the_others_are_heard_before_it_is_
     assert one.said(ScoreDropped)
     assert [event.target for event in one.said(Separated)][-1] == 2
     assert len([event for event in one.said(OrientationHeard) if event.index == 0]) == 1
+
+
+@dataclass
+class TwoAlike(Likes):
+    """Sources 0 and 1 sound like the target when they are recalled; source 0 the less the longer it is heard."""
+
+    after_run: float = 0.2  # score of source 0 then, of `SURE`
+    other: float = 1.0  # and of source 1 when it was visited
+
+    def score(self, voice, rate):
+        number, when = self.who(voice), occasion(voice)
+        if number == 2:
+            return Score(-SURE, accepted=False)
+        if number == 1:
+            return self.told(0.6 if when == RECALLED else self.other)
+        return self.told(self.after_run if when == RUN else 1.0)
+
+    def told(self, times):
+        return Score(SURE * times, times > 0)
+
+
+def running(one):
+    return [event.target for event in one.said(Separated)]
+
+
+def test_after_it_was_heard_longer_the_likeliest_voice_wins_and_not_the_one_that_is_listened_to():
+    one = rig(voiceprint=TwoAlike(0))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert running(one) == [0, 1]
+    (dropped,) = one.said(ScoreDropped)
+    assert (dropped.value, dropped.criterion, dropped.other) == pytest.approx((0.2 * SURE, 0.6 * SURE, 1))
+    assert len([event for event in one.said(OrientationHeard) if event.index == 0]) == 1
+
+
+def test_the_first_voice_is_gone_back_to_where_the_likelier_one_is_not_the_target_after_all():
+    one = rig(voiceprint=TwoAlike(0, other=-1.0))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert running(one) == [0, 0]
+    assert [event.candidate.source for event in one.said(Checked)] == [0, 1, 0]
+    assert len(one.said(ScoreDropped)) == 1
+
+
+def test_a_voice_that_stays_the_likeliest_is_listened_to():
+    one = rig(voiceprint=TwoAlike(0, after_run=0.7))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert running(one) == [0]
+    assert not one.said(ScoreDropped)
 
 
 def test_a_dropped_score_starts_the_mission_again():

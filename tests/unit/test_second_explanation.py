@@ -77,9 +77,8 @@ def test_when_nobody_is_the_target_the_best_explanation_is_believed_in_the_end()
 def test_a_voice_that_turns_out_to_be_another_leads_to_the_second_explanation_before_a_new_exploration():
     class AtFirstEverybody(Likes):
         def score(self, voice, rate):
-            number = round(float(np.abs(voice).max() / 0.1)) - 1
             long = occasion(voice) == RUN
-            return super().score(voice, rate) if long or number == 1 else Score(0.8 * SURE, accepted=True)
+            return super().score(voice, rate) if long or self.who(voice) == 1 else Score(0.8 * SURE, accepted=True)
 
     one = rig(explorer=InDoubt(), separator=ByAzimuth(), voiceprint=AtFirstEverybody(1))
     assert one.run().outcome is Outcome.TARGET_FOUND
