@@ -56,7 +56,8 @@ class Stop:
     """When enough has been heard."""
 
     margin: float = 2.0  # every source is worth this many times its price, the last rival this many times less
-    doubt: float = 0.1  # largest probability that there are fewer talkers, and that there are more
+    doubt: float = 0.1  # largest probability that there are fewer talkers
+    missed: float = 0.025  # and that there are more: after the exploration nobody is looked for
     sigma: float = np.deg2rad(2.0)  # largest standard deviation [rad]
     orientations: int = 7
     evidence: float = 100.0  # effective counts
@@ -164,7 +165,7 @@ class Joint:
         return self._with_second(evidence, fit, fit.second)
 
     def _with_second(self, evidence: Evidence, fit: Fit, second: Fit | None) -> Estimate:
-        """What a fit says, and what the second-best one says where the stop rule would doubt that there are no more."""
+        """What a fit says, and what the second-best one says where it is doubtful that there are no more."""
         doubted = second is not None and fit.more > self.enough.doubt
         rival = self._explained(evidence, second) if second is not None and doubted else None
         return replace(self._explained(evidence, fit), rival=rival)
@@ -215,7 +216,7 @@ class Joint:
     def _certain(self, data: itd_mixture.Data, fit: Fit, sources: tuple[SourceEstimate, ...]) -> bool:
         """The stop rule: K is beyond doubt, every place is sharp and unambiguous."""
         clear = fit.step.worth.min() >= self.enough.margin and fit.rival <= 1 / self.enough.margin
-        sure = 1 - fit.likely <= self.enough.doubt and fit.more <= self.enough.doubt
+        sure = 1 - fit.likely <= self.enough.doubt and fit.more <= self.enough.missed
         sharp = all(source.resolved and source.sigma <= self.enough.sigma for source in sources)
         turned = len(data.headings) if data.periods is None else covered(data.headings)
         heard = turned >= self.enough.orientations and data.counts.sum() >= self.enough.evidence

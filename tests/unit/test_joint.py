@@ -127,6 +127,17 @@ def test_where_k_is_in_doubt_the_second_explanation_has_who_is_missed_and_the_be
     assert trusting.estimate(heard) == replace(estimate, rival=None)
 
 
+def test_an_exploration_goes_on_while_more_talkers_are_likelier_than_a_few_percent() -> None:
+    """Three talkers of whom the mixture of four says 0.03 to 0.1, which would have been enough once."""
+    heard, joint = listen(LAYOUTS[2], 9), explorer.make(SPACING, SPEED)
+    fit = joint._counted(joint.evidence(heard))
+    assert fit is not None
+    for more, certain in ((0.02, True), (0.03, False), (0.1, False)):
+        doubtful = replace(fit, more=more)
+        sources = joint.estimate(heard).sources
+        assert joint._certain(joint.evidence(heard).rich, doubtful, sources) is certain
+
+
 def test_talkers_below_are_placed_and_their_elevation_is_told() -> None:
     """At 45 deg below, an estimator that ignores elevation takes cos 45 deg for an azimuth."""
     azimuths, elevations, rng = (
