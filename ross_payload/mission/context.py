@@ -224,8 +224,9 @@ class Context:
 
 def exchange(context: Context, wish: Output = NOTHING) -> Step[Input]:
     """Exchange one Output for one Input, whatever it says; pending events go with the wish."""
-    events, context.pending = tuple(context.pending), []
-    heard = yield replace(wish, events=events)
+    if context.pending:
+        wish, context.pending = replace(wish, events=tuple(context.pending)), []
+    heard = yield wish
     context.last = heard
     context.samples += heard.block.samples.shape[1]
     return heard
@@ -243,7 +244,8 @@ def hop(context: Context, goal: float | None = None, *, rate: float | None = Non
     FrameChanged
         When the attitude that the task depends on is lost or found.
     """
-    heard = yield from exchange(context, Output(goal=goal, rate=rate, halt=halt))
+    wishes = goal is not None or rate is not None or halt
+    heard = yield from exchange(context, Output(goal=goal, rate=rate, halt=halt) if wishes else NOTHING)
     obey(context, heard.orders)
     if heard.fault:
         raise Ended(Outcome.FAULT, heard.fault)
