@@ -205,11 +205,11 @@ class Separated(Event):
 
 @dataclass(frozen=True, slots=True)
 class ScoreDropped(Event):
-    """The running target no longer sounds like the target, or another source more so: somebody else is looked for."""
+    """The running target no longer sounds like the target, or another source as much: somebody else is looked for."""
 
     value: float
     criterion: float  # or the score of the other source
-    other: int | None = None  # the source that sounds more like the target, and comes next
+    other: int | None = None  # the source that sounds as much like the target, and comes next
 
 
 @dataclass(frozen=True, slots=True)

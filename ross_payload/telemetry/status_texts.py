@@ -44,8 +44,9 @@ def line(event: events.Event) -> Line | None:
         case events.Checked(accepted=int(group)):
             said = Severity.NOTICE, f"target recognised: {_who(event.groups[group])}"
         case events.ScoreDropped():
-            whose = "" if event.other is None else f" of source {event.other}"
-            said = Severity.WARNING, f"target lost, score {event.value:.1f} below {event.criterion:.1f}{whose}"
+            lost = f"target lost, score {event.value:.1f} below {event.criterion:.1f}"
+            rival = f"source {event.other} may be the target, score {event.criterion:.1f} beside {event.value:.1f}"
+            said = Severity.WARNING, lost if event.other is None else rival
         case events.Slipped():
             said = Severity.WARNING, f"all azimuths shifted by {rotation(event.shift, 0)}: the array has slipped"
         case events.ArrayContradicted():

@@ -294,8 +294,16 @@ def test_the_first_voice_is_gone_back_to_where_the_likelier_one_is_not_the_targe
     assert len(one.said(ScoreDropped)) == 1
 
 
-def test_a_voice_that_stays_the_likeliest_is_listened_to():
-    one = rig(voiceprint=TwoAlike(0, after_run=0.7))
+@pytest.mark.parametrize(("other", "wins"), [(0.65, 0), (0.75, 1)])
+def test_a_voice_that_is_nearly_as_likely_is_visited_and_the_likelier_one_wins(other, wins):
+    one = rig(voiceprint=TwoAlike(0, after_run=0.7, other=other))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert running(one) == [0, wins]
+    assert [event.other for event in one.said(ScoreDropped)] == [1]
+
+
+def test_a_voice_that_stays_by_far_the_likeliest_is_listened_to():
+    one = rig(voiceprint=TwoAlike(0, after_run=1.1))
     assert one.run().outcome is Outcome.TARGET_FOUND
     assert running(one) == [0]
     assert not one.said(ScoreDropped)

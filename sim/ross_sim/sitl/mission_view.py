@@ -214,11 +214,10 @@ def in_words(event: events.Event, *, earth: bool) -> str:  # noqa: PLR0911, PLR0
             return f"voice scores by {method} ({scores}): {verdict}"
         case events.Separated(groups=groups, target=target, method=method, why=why):
             return f"separated by {method}, score {groups[target].value:+.1f}" + (f": {why}" if why else "")
+        case events.ScoreDropped(value=value, criterion=criterion, other=None):
+            return f"the score dropped to {value:+.1f}, below {criterion:.1f}: starting again"
         case events.ScoreDropped(value=value, criterion=criterion, other=other):
-            then = (
-                "starting again" if other is None else f"source {other}, which sounds more like the target, comes next"
-            )
-            return f"the score dropped to {value:+.1f}, below {criterion:.1f}: {then}"
+            return f"source {other} sounds as much like the target, {criterion:+.1f} beside {value:+.1f}: it comes next"
         case events.Slipped(shift=shift):
             return f"all azimuths shifted by {rotation(shift)}: the array has slipped; corrected"
         case events.ArrayContradicted():
