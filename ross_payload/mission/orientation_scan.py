@@ -92,10 +92,12 @@ def say_belief(context: Context, *, final: bool) -> None:
 def certain(context: Context) -> bool:
     """Whether enough has been heard: the explorer says so, not before the least number of rotations.
 
-    While the array turns there are none: the explorer itself sees to it that it has turned far enough.
+    While the array turns there are none: the explorer itself sees to it that it has turned far enough. Of an explorer
+    that believed in more sources right before it is not believed.
     """
     enough = context.tools.turning is not None or context.rotations >= context.settings.min_rotations
-    return enough and context.beliefs[-1].certain
+    fewer = any(before.k > context.beliefs[-1].k for before in context.beliefs[-2:])
+    return enough and not fewer and context.beliefs[-1].certain
 
 
 def steady(beliefs: Sequence[Estimate]) -> bool:

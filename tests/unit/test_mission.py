@@ -58,6 +58,27 @@ def test_exploration_stops_when_certain_and_not_before_the_minimum():
     assert [event.final for event in one.said(SourcesEstimated)] == [False, False, True]
 
 
+@dataclass
+class OneFewer(ThreeTalkers):
+    """An explorer that misses the last talker at some orientations, and is certain."""
+
+    misses: tuple[int, ...] = (3,)  # how many orientations it has heard then
+    patience: int = 2
+
+    def estimate(self, observations):
+        missed = len(observations) in self.misses
+        azimuths = self.azimuths[:2] if missed else self.azimuths
+        return ThreeTalkers(azimuths=azimuths, certain=missed, patience=self.patience).estimate(observations)
+
+
+@pytest.mark.parametrize(("misses", "heard", "k"), [((3,), 5, 3), ((3, 4), 4, 2), ((2, 3, 4), 3, 2)])
+def test_an_explorer_that_believed_in_more_talkers_right_before_is_not_taken_to_be_certain(misses, heard, k):
+    one = rig(explorer=OneFewer(misses=misses))
+    one.run()
+    assert len(one.said(OrientationHeard)) == heard
+    assert next(event.estimate.k for event in one.said(SourcesEstimated) if event.final) == k
+
+
 def test_the_explorer_is_told_how_far_its_frames_are_apart():
     periods = set()
 
