@@ -35,7 +35,6 @@ from ross_payload.separation.refiner_features import (
 )
 
 BONUS, BONUS_IN_NOISE = 2.0, 0.75  # SI-SDR above that of the local Gaussian model [dB]; where noise has a direction
-CORRECTED = 5000.0  # [Hz]; up to `HIGHEST`, as it was trained, costs a sixth more and gains 0.03 dB
 BEFORE = 12  # updates of the PSDs before the network corrects them
 LARGER = 1.5  # noise term over the noise that has a direction: the network corrects it, too
 KEPT = 3  # frames that the network has seen whose corrections are interpolated
@@ -53,14 +52,14 @@ class Refined:
         """Separate as `ross_payload.separation.local_gaussian_model.from_directions` says."""
         core = self._separated if scene.noise_field is None else self._separated_in_noise
         larger = LARGER if trained_for(scene.frequencies) else None
-        return from_directions(core, spectrogram, scene, self.name, always_below=CORRECTED, larger=larger)
+        return from_directions(core, spectrogram, scene, self.name, always_below=HIGHEST, larger=larger)
 
     def live(self, lookahead: int = 1) -> LiveSeparator:
         """Return the same model frame by frame."""
         return LiveRefined(self._network or shipped_network(), lookahead)
 
     def _separated(self, unit: Complex, scene: Scene, noise_psd: Real) -> tuple[Complex, Real, tuple[Quality, ...]]:
-        low = slice(0, int((scene.frequencies < CORRECTED).sum()))
+        low = slice(0, int((scene.frequencies < HIGHEST).sum()))
         frequencies, known = scene.frequencies[low], trained_for(scene.frequencies[low])
         observed, covariances, psds = fitted(unit, scene, noise_psd, BEFORE if known else UPDATES)
         quality = qualities(psds, covariances, BONUS if known else 0.0)

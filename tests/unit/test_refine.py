@@ -10,8 +10,8 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Scene
 from ross_payload.separation import local_gaussian_model, refined
 from ross_payload.separation.network import network_of
-from ross_payload.separation.refined import CORRECTED, Refined, separator
-from ross_payload.separation.refiner_features import N_FEATURES, features
+from ross_payload.separation.refined import Refined, separator
+from ross_payload.separation.refiner_features import HIGHEST, N_FEATURES, features
 from ross_sim.study import refiner_model
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
@@ -107,11 +107,11 @@ def test_bins_of_another_width_keep_the_gaussian_model() -> None:
         assert told.si_sdr == pytest.approx(usual.si_sdr, abs=0.5)
 
 
-def test_bins_above_those_that_are_corrected_keep_the_gaussian_model(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bins_above_the_highest_keep_the_gaussian_model(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(refined, "BEFORE", local_gaussian_model.UPDATES)
     _, mixture = _mixture([-0.8, 0.7], 1.0)
     scene = _scene([-0.8, 0.7], noise=NOISE * 1024)
-    above = STFT.frequencies >= CORRECTED
+    above = STFT.frequencies >= HIGHEST
     expected, found = (method.batch(mixture, scene).masks for method in (local_gaussian_model.separator, separator))
     assert expected is not None
     assert found is not None
@@ -183,9 +183,9 @@ def test_covariances_are_estimated_again_in_a_room_and_not_in_the_open(monkeypat
     assert not asked
     field = np.abs(images).sum(axis=0) * (rng.standard_normal(waves.shape) + 1j * rng.standard_normal(waves.shape))
     as_they_were = separator.batch(waves + 0.3 * field, scene).signals
-    assert asked == [(STFT.frequencies < CORRECTED).sum()]
+    assert asked == [(STFT.frequencies < HIGHEST).sum()]
     white = np.array([1, 1, 0, 0], np.float32)
     monkeypatch.setattr(refined, "reestimated", lambda observed, covariances, psds: 0 * covariances + white)
     changed = np.abs(separator.batch(waves + 0.3 * field, scene).signals - as_they_were)
-    assert changed[:, STFT.frequencies < CORRECTED].max() > 0.1 * np.abs(as_they_were).max()
-    assert not changed[:, STFT.frequencies >= CORRECTED].any()
+    assert changed[:, STFT.frequencies < HIGHEST].max() > 0.1 * np.abs(as_they_were).max()
+    assert not changed[:, STFT.frequencies >= HIGHEST].any()
