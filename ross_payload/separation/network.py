@@ -8,7 +8,7 @@ group: permuting groups permutes the outputs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -58,18 +58,18 @@ class Network:
     skip: Real  # (ROWS COLUMNS, n)
     leave_bias: Real  # (ROWS COLUMNS, 1)
 
-    def corrections(self, shown: Real, frequencies: Real) -> Real:
+    def corrections(self, shown: Sequence[Real], frequencies: Real) -> Real:
         """Log PSD corrections of every bin, (n_groups, n_freqs, n_frames), within -LIMIT .. LIMIT.
 
         Parameters
         ----------
         shown
-            Features, (n_groups, n_features, n_freqs, n_frames).
+            Features, each (n_freqs, n_groups, n_frames) or to be broadcast to it.
         frequencies
             [Hz], evenly spaced, (n_freqs,).
         """
-        n_freqs, n_frames = shown.shape[2:]
-        patches = _patched(_filled(shown), places(_filled(frequencies[:, None])[:, 0]))
+        n_freqs, _, n_frames = _shape(shown)
+        patches = _patched(shown, places(frequencies))
         hidden, height = self._entered(patches), patches.shape[2] + EDGE
         inner = np.zeros_like(hidden)
         for block in self.blocks:
@@ -81,7 +81,7 @@ class Network:
             _columns(hidden[:, EDGE:], height)[:, :, -EDGE:] = 0
         return self._left(hidden, patches)[:, :n_freqs, :n_frames]
 
-    def advance(self, shown: Real, frequencies: Real, past: Past) -> tuple[Real, Past]:
+    def advance(self, shown: Sequence[Real], frequencies: Real, past: Past) -> tuple[Real, Past]:
         """Log PSD corrections of the two newest frames, (n_groups, n_freqs, 2), and what the next call needs.
 
         As `corrections`, with nothing known of what follows. Called for every frame: patches then overlap by one.
@@ -89,12 +89,12 @@ class Network:
         Parameters
         ----------
         shown
-            Features of both, (n_groups, n_features, n_freqs, 2).
+            Features of both, each (n_freqs, n_groups, 2) or to be broadcast to it.
         past
             What the last call returned; () at the beginning.
         """
-        n_freqs = shown.shape[2]
-        patches = _patched(_filled(shown), places(_filled(frequencies[:, None])[:, 0]))
+        n_freqs = len(frequencies)
+        patches = _patched(shown, places(frequencies))
         hidden, height = self._entered(patches), patches.shape[2] + EDGE
         inner, column, kept = np.zeros_like(hidden), slice(EDGE, EDGE + height), []
         for index, block in enumerate(self.blocks):
@@ -137,25 +137,36 @@ class Network:
 
 def places(frequencies: Real) -> Real:
     """Mean frequency of every row of patches, twice, and the distance of its bins, scaled, (PLACES, n_rows)."""
-    centres = frequencies.reshape(-1, ROWS).mean(axis=1) / 4000
+    centres = _filled(frequencies[:, None, None])[:, 0, 0].reshape(-1, ROWS).mean(axis=1) / 4000
     width = np.log2(max(frequencies[1] - frequencies[0], 1e-3) / 10)
     return np.stack([centres, np.sqrt(centres), np.full_like(centres, width)]).astype(np.float32)
 
 
+def _shape(shown: Sequence[Real]) -> tuple[int, int, int]:
+    """(n_freqs, n_groups, n_frames) of all features together."""
+    n_freqs, n_groups, n_frames = np.broadcast_shapes(*(feature.shape for feature in shown))
+    return n_freqs, n_groups, n_frames
+
+
 def _filled(values: Real) -> Real:
-    """Repeat the last bin and frame until patches fill the plane of the last two axes."""
-    rows, columns = (-size % unit for size, unit in zip(values.shape[-2:], (ROWS, COLUMNS), strict=True))
-    return np.pad(values, [(0, 0)] * (values.ndim - 2) + [(0, rows), (0, columns)], mode="edge")
+    """Repeat the last bin and frame, (n_freqs, .., n_frames), until patches fill the plane."""
+    rows, columns = -len(values) % ROWS, -values.shape[2] % COLUMNS
+    return np.pad(values, [(0, rows), (0, 0), (0, columns)], mode="edge") if rows or columns else values
 
 
-def _patched(shown: Real, where: Real) -> Real:
+def _patched(shown: Sequence[Real], where: Real) -> Real:
     """What is known of every patch, (n_groups, n_columns, n_rows, n)."""
-    n_groups, n_features, n_freqs, n_frames = shown.shape
-    rows, columns = n_freqs // ROWS, n_frames // COLUMNS
-    patches = np.empty((n_groups, columns, rows, n_features * ROWS * COLUMNS + PLACES), np.float32)
+    size, (n_freqs, n_groups, n_frames) = ROWS * COLUMNS, _shape(shown)
+    n_columns, n_rows = -(-n_frames // COLUMNS), where.shape[1]
+    patches = np.empty((n_groups, n_columns, n_rows, len(shown) * size + PLACES), np.float32)
     patches[..., -PLACES:] = where.T
-    split = shown.reshape(n_groups, n_features, rows, ROWS, columns, COLUMNS).transpose(0, 4, 2, 1, 3, 5)
-    patches[..., :-PLACES].reshape(split.shape)[...] = split
+    for columns in _some_columns(patches):
+        frames = slice(COLUMNS * columns.start, COLUMNS * columns.stop)
+        for index, feature in enumerate(shown):
+            part = _filled(np.broadcast_to(feature, (n_freqs, feature.shape[1], n_frames))[..., frames])
+            split = part.reshape(n_rows, ROWS, -1, columns.stop - columns.start, COLUMNS).transpose(2, 3, 0, 1, 4)
+            here = patches[:, columns, :, size * index : size * (index + 1)]
+            here.reshape(n_groups, *split.shape[1:])[...] = split
     return patches
 
 

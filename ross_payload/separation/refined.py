@@ -29,6 +29,7 @@ from ross_payload.separation.refiner_features import (
     HIGHEST,
     LEAST,
     STEADY,
+    Features,
     features,
     features_in_noise,
     trained_for,
@@ -194,7 +195,7 @@ class LiveRefined:
         return np.asarray((1 - part) * state.corrections[first] + part * state.corrections[first + 1])
 
 
-def shown_in_noise(observed: Real, covariances: Real, psds: Real, noise_psd: Real, field: Real) -> Real:
+def shown_in_noise(observed: Real, covariances: Real, psds: Real, noise_psd: Real, field: Real) -> Features:
     """What the network is shown where the noise has a direction: the groups, and the noise as one more.
 
     Parameters

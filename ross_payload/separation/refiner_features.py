@@ -21,6 +21,8 @@ BESIDE = 2  # bins on either side that the local covariance is averaged over
 WIDTHS = (6.0, 15.0)  # of bins that the network was trained for [Hz]
 STEADY = 1e-5  # noise in the Wiener filter, relative to everything: no covariance is singular
 
+Features = tuple[Real, ...]  # each (n_freqs, n_described, n_frames), or to be broadcast to it
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Groups:
@@ -45,8 +47,8 @@ class _Groups:
         return np.concatenate([np.broadcast_to(found, (*found.shape[:2], noise.shape[2])), noise], axis=1)
 
 
-def features(observed: Real, covariances: Real, psds: Real) -> Real:
-    """Describe every bin of every group, (n_groups, N_FEATURES, n_freqs, n_frames).
+def features(observed: Real, covariances: Real, psds: Real) -> Features:
+    """Describe every bin of every group by `N_FEATURES` numbers.
 
     Scaled logarithms of: the PSDs of the group, of the others and of the noise; the power of the mixture; how badly
     the direction x / |x| fits the covariance of the group; how much more likely it is than under the others'; the
@@ -61,11 +63,11 @@ def features(observed: Real, covariances: Real, psds: Real) -> Real:
     own = psds[:, :-1]
     total = np.swapaxes(covariances, 1, 2) @ psds
     others = own.sum(axis=1, keepdims=True) - own
-    return _stacked(_described(observed, _Groups(covariances[:, :-1]), own, others, total=total, noise=psds[:, -1:]))
+    return _described(observed, _Groups(covariances[:, :-1]), own, others, total=total, noise=psds[:, -1:])
 
 
-def features_in_noise(observed: Real, covariances: Real, psds: Real, field: Real) -> Real:
-    """The same where noise has a direction, which is one more group, the last, (n_groups + 1, N_IN_NOISE, ..).
+def features_in_noise(observed: Real, covariances: Real, psds: Real, field: Real) -> Features:
+    """The same where noise has a direction, which is one more group, the last: `N_IN_NOISE` numbers.
 
     The noise is not among "the others" of a talker, whom its PSD stands beside anyway.
 
@@ -84,13 +86,10 @@ def features_in_noise(observed: Real, covariances: Real, psds: Real, field: Real
     described = _described(observed, groups, psds, others, total=total, noise=psds[:, -1:])
     noise = np.zeros((1, psds.shape[1], 1), psds.dtype)
     noise[:, -1] = 1
-    return _stacked((*described, noise))
+    return (*described, noise)
 
 
-def _described(
-    observed: Real, groups: _Groups, own: Real, others: Real, *, total: Real, noise: Real
-) -> tuple[Real, ...]:
-    """The features, each (n_freqs, n_described, n_frames) or to be broadcast to it."""
+def _described(observed: Real, groups: _Groups, own: Real, others: Real, *, total: Real, noise: Real) -> Features:
     inner = np.maximum(determinant(np.swapaxes(total, 1, 2)), np.finfo(own.dtype).tiny)[:, None]
     opposite = adjugate(total, axis=1)
     mixed, cross = groups.traces(opposite), groups.traces(adjugate(observed, axis=1))
@@ -117,8 +116,8 @@ def _described(
     )
 
 
-def _stacked(every: tuple[Real, ...]) -> Real:
-    """Features as the network takes them, (n_described, n_features, n_freqs, n_frames)."""
+def stacked(every: Features) -> Real:
+    """Features in one array, (n_described, n_features, n_freqs, n_frames)."""
     n_freqs, n_described, n_frames = every[0].shape
     shown = np.empty((n_described, len(every), n_freqs, n_frames), np.float32)
     for index, feature in enumerate(every):

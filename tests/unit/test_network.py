@@ -27,13 +27,18 @@ def _shown(rng: np.random.Generator, n_groups: int = 3, n_freqs: int = 20, n_fra
     return rng.standard_normal((n_groups, N_FEATURES, n_freqs, n_frames)).astype(np.float32)
 
 
+def _each(shown: np.ndarray) -> list[np.ndarray]:
+    """What training takes in one array, feature by feature."""
+    return [np.swapaxes(shown[:, index], 0, 1) for index in range(shown.shape[1])]
+
+
 def _silent(**changes: np.ndarray) -> Network:
     zeros = {name: 0 * array for name, array in refiner_model.initial(2, 1, 2, np.random.default_rng(0)).items()}
     return network_of(zeros | {name: np.asarray(array, np.float32) for name, array in changes.items()})
 
 
 def test_without_weights_nothing_is_corrected() -> None:
-    assert not _silent().corrections(_shown(np.random.default_rng(0)), FREQUENCIES).any()
+    assert not _silent().corrections(_each(_shown(np.random.default_rng(0))), FREQUENCIES).any()
 
 
 def test_the_direct_path_carries_every_bin_to_its_own_place() -> None:
@@ -41,7 +46,7 @@ def test_the_direct_path_carries_every_bin_to_its_own_place() -> None:
     skip[np.arange(8), np.arange(8)] = 0.1  # the first feature
     shown = _shown(np.random.default_rng(1))
     expected = LIMIT * np.tanh(0.1 * shown[:, 0] / LIMIT)
-    np.testing.assert_allclose(_silent(skip=skip).corrections(shown, FREQUENCIES), expected, atol=1e-6)
+    np.testing.assert_allclose(_silent(skip=skip).corrections(_each(shown), FREQUENCIES), expected, atol=1e-6)
 
 
 @pytest.mark.parametrize(("name", "rows", "columns"), [("f0", [0, 1, 2], [1]), ("t0", [1], [2, 3, 4])])
@@ -56,7 +61,7 @@ def test_the_taps_of_a_block_reach_its_neighbours_only(name: str, rows: list[int
     shown = np.zeros((1, N_FEATURES, 12, 12), np.float32)
     row, column = rows[len(rows) // 2], columns[len(columns) // 2]
     shown[0, 0, 4 * row, 2 * column] = 1.0
-    found = _silent(**weights).corrections(shown, FREQUENCIES[:12])[0, ::4, ::2]
+    found = _silent(**weights).corrections(_each(shown), FREQUENCIES[:12])[0, ::4, ::2]
     expected = np.zeros((3, 6))
     expected[np.ix_(rows, columns)] = 1.0
     expected[row, column] = 2.0  # the block adds to its input
@@ -70,21 +75,21 @@ def test_the_mean_of_the_others_is_what_a_group_hears_of_them() -> None:
     shown = np.zeros((3, N_FEATURES, 4, 2), np.float32)
     shown[:, 0, 0, 0] = [1.0, 2.0, 6.0]
     network = _silent(**{"in": one, "o0": np.eye(2), "t0": here, "hid": np.eye(2), "out": np.eye(8, 2)})
-    found = np.arctanh(network.corrections(shown, FREQUENCIES[:4])[:, 0, 0] / LIMIT) * LIMIT
+    found = np.arctanh(network.corrections(_each(shown), FREQUENCIES[:4])[:, 0, 0] / LIMIT) * LIMIT
     np.testing.assert_allclose(found, [1 + 4.0, 2 + 3.5, 6 + 1.5], rtol=1e-5)
 
 
 def test_permuting_the_groups_permutes_the_corrections() -> None:
     rng = np.random.default_rng(2)
     network, shown, order = _network(rng), _shown(rng, n_groups=4), [2, 0, 3, 1]
-    found = network.corrections(shown, FREQUENCIES)
-    np.testing.assert_allclose(network.corrections(shown[order], FREQUENCIES), found[order], atol=1e-5)
+    found = network.corrections(_each(shown), FREQUENCIES)
+    np.testing.assert_allclose(network.corrections(_each(shown[order]), FREQUENCIES), found[order], atol=1e-5)
 
 
 @pytest.mark.parametrize("shape", [(1, 2, 1), (2, 5, 3), (5, 9, 1), (3, 4, 40)])
 def test_any_number_of_groups_bins_and_frames_fits(shape: tuple[int, int, int]) -> None:
     rng = np.random.default_rng(3)
-    found = _network(rng).corrections(_shown(rng, *shape), FREQUENCIES[: shape[1]])
+    found = _network(rng).corrections(_each(_shown(rng, *shape)), FREQUENCIES[: shape[1]])
     assert found.shape == shape
     assert np.isfinite(found).all()
     assert np.abs(found).max() <= LIMIT
@@ -95,7 +100,7 @@ def test_it_is_the_function_that_training_differentiates(n_frames: int) -> None:
     rng = np.random.default_rng(4)
     weights, shown = refiner_model.initial(6, 4, 7, rng), _shown(rng, n_frames=n_frames)
     expected = refiner_model.corrections(np, weights, shown, places(FREQUENCIES))
-    np.testing.assert_allclose(network_of(weights).corrections(shown, FREQUENCIES), expected, atol=1e-5)
+    np.testing.assert_allclose(network_of(weights).corrections(_each(shown), FREQUENCIES), expected, atol=1e-5)
 
 
 def test_weights_survive_a_file_in_half_precision() -> None:
@@ -124,9 +129,9 @@ def test_frame_by_frame_it_corrects_as_in_the_whole_recording_when_nothing_later
             array[-8:] = 0  # the taps of what follows
     weights["out"] = rng.normal(0, 0.1, weights["out"].shape).astype(np.float32)
     network, shown, past, found = network_of(weights), _shown(rng, 2, 12, n_frames), (), []
-    whole = network.corrections(shown, FREQUENCIES[:12])
+    whole = network.corrections(_each(shown), FREQUENCIES[:12])
     for frame in range(1, n_frames):
-        both, past = network.advance(shown[..., frame - 1 : frame + 1], FREQUENCIES[:12], past)
+        both, past = network.advance(_each(shown[..., frame - 1 : frame + 1]), FREQUENCIES[:12], past)
         found.append(both)
     np.testing.assert_allclose(np.concatenate(found[::2], axis=2), whole, atol=1e-5)
 
@@ -137,7 +142,7 @@ def test_what_training_hides_is_what_is_not_known_frame_by_frame() -> None:
     weights["out"] = rng.normal(0, 0.1, weights["out"].shape).astype(np.float32)
     shown, past, found = _shown(rng, 3, 12, n_frames), (), []
     for frame in range(1, n_frames):
-        both, past = network_of(weights).advance(shown[..., frame - 1 : frame + 1], FREQUENCIES[:12], past)
+        both, past = network_of(weights).advance(_each(shown[..., frame - 1 : frame + 1]), FREQUENCIES[:12], past)
         found.append(both)
     expected = refiner_model.corrections(np, weights, shown, places(FREQUENCIES[:12]), 0.0)
     np.testing.assert_allclose(np.concatenate(found[::2], axis=2), expected, atol=1e-5)

@@ -11,7 +11,7 @@ from ross_payload.interfaces import Scene
 from ross_payload.separation import local_gaussian_model, refined
 from ross_payload.separation.network import network_of
 from ross_payload.separation.refined import Refined, separator
-from ross_payload.separation.refiner_features import HIGHEST, N_FEATURES, features
+from ross_payload.separation.refiner_features import HIGHEST, N_FEATURES, features, stacked
 from ross_sim.study import refiner_model
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
@@ -136,7 +136,7 @@ def test_features_of_a_bin_that_one_group_explains() -> None:
     white = np.array([[[1.0, 1.0, 0.0, 0.0]]])
     covariances = np.concatenate([0.99 * waves + 0.01 * white, white], axis=1)
     psds = np.array([[1.0, 1e-7, 1e-4]])[..., None]
-    shown = features(waves[:, :1].swapaxes(1, 2), covariances, psds)
+    shown = stacked(features(waves[:, :1].swapaxes(1, 2), covariances, psds))
     assert shown.shape == (2, N_FEATURES, 1, 1)
     own, _, _, power, misfit, margin, output, _, near, incoherence = shown[:, :, 0, 0].T
     assert own[0] == pytest.approx(0.0)

@@ -18,7 +18,7 @@ from ross_payload.separation.evened_noise import LOWEST_VOICE
 from ross_payload.separation.local_gaussian_model import wiener
 from ross_payload.separation.network import network_in_noise, network_of, shipped_arrays, shipped_network
 from ross_payload.separation.refined import LARGER, Refined
-from ross_payload.separation.refiner_features import N_FEATURES, N_IN_NOISE, features, features_in_noise
+from ross_payload.separation.refiner_features import N_FEATURES, N_IN_NOISE, features, features_in_noise, stacked
 from ross_sim.study import noise_clips, refiner_data, refiner_model
 from ross_sim.study.noise_clips import clip_in_noise
 from ross_sim.study.noise_pieces import packed, piece_in_noise
@@ -53,8 +53,8 @@ def test_in_white_noise_talkers_are_shown_as_ever_and_the_noise_beside_them():
     covariances, psds, x = drawn()
     psds[:, -1] = 0.3
     field = np.broadcast_to(np.array([1.0, 1, 0, 0])[:, None], (8, 4, 6))
-    shown = features_in_noise(outer(x), covariances, psds, field)
-    before = features(outer(x), covariances, psds)
+    shown = stacked(features_in_noise(outer(x), covariances, psds, field))
+    before = stacked(features(outer(x), covariances, psds))
     assert shown.shape == (3, N_IN_NOISE, 8, 6)
     same = [index for index in range(N_FEATURES) if index != MARGIN]
     np.testing.assert_allclose(shown[:2, same], before[:, same], rtol=1e-4, atol=1e-5)
@@ -72,10 +72,10 @@ def test_the_filter_that_training_differentiates_is_the_one_of_the_payload():
 
 def test_weights_begin_as_those_without_a_direction():
     rng = np.random.default_rng(5)
-    shown = rng.standard_normal((2, N_IN_NOISE, 16, 8)).astype(np.float32)
+    shown = rng.standard_normal((N_IN_NOISE, 16, 2, 8)).astype(np.float32)
     frequencies = 80 + 7.8125 * np.arange(16)
     found = network_of(widened(shipped_arrays())).corrections(shown, frequencies)
-    np.testing.assert_allclose(found, shipped_network().corrections(shown[:, :N_FEATURES], frequencies), atol=1e-4)
+    np.testing.assert_allclose(found, shipped_network().corrections(shown[:N_FEATURES], frequencies), atol=1e-4)
 
 
 @pytest.fixture

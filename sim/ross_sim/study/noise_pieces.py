@@ -12,7 +12,7 @@ from ross_payload.interfaces import Real
 from ross_payload.separation.evened_noise import LOWEST_VOICE
 from ross_payload.separation.network import places
 from ross_payload.separation.refined import shown_in_noise
-from ross_payload.separation.refiner_features import LEAST
+from ross_payload.separation.refiner_features import LEAST, stacked
 from ross_sim.cache import Array, cached
 from ross_sim.study.noise_clips import NoisyClip, clip_in_noise
 from ross_sim.study.refiner_clips import Batch
@@ -48,7 +48,7 @@ def piece_in_noise(kept: Mapping[str, Array], start: int, n_frames: int) -> Batc
     psds = np.exp(kept["log_psds"][rows, :, cut].astype(np.float32))
     noise, covariances = kept["noise"][rows], kept["covariances"][rows]
     observed = outer(mixture[0] + 1j * mixture[1]).astype(np.float32)
-    shown = shown_in_noise(observed, covariances, psds, noise, field)
+    shown = stacked(shown_in_noise(observed, covariances, psds, noise, field))
     width = float(kept["rate"]) / FRAME
     where = places((np.ceil(LOWEST_VOICE / width) + np.arange(n_freqs)) * width)
     return shown, where, covariances, field, level, mixture, wanted

@@ -11,7 +11,7 @@ from ross_payload.dsp.covariance import outer
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.separation.network import places
-from ross_payload.separation.refiner_features import LEAST, features
+from ross_payload.separation.refiner_features import LEAST, features, stacked
 from ross_sim.cache import Array, cached
 from ross_sim.study.refiner_data import FRAME, Clip, clip
 from ross_sim.study.voice_augmentation import RATE
@@ -67,6 +67,6 @@ def piece(kept: Mapping[str, Array], start: int, n_frames: int) -> Batch:
     psds, noise, covariances = np.exp(kept["log_psds"][..., cut].astype(np.float32)), kept["noise"], kept["covariances"]
     every = np.broadcast_to(noise[:, None, None], (len(psds), 1, psds.shape[2]))
     observed = outer(mixture[0] + 1j * mixture[1]).astype(np.float32)
-    shown = features(observed, covariances, np.concatenate([psds, every], axis=1))
+    shown = stacked(features(observed, covariances, np.concatenate([psds, every], axis=1)))
     where = places(np.arange(len(psds)) * float(kept["rate"]) / FRAME)
     return shown, where, covariances, noise, mixture, wanted
