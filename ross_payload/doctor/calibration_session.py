@@ -8,14 +8,13 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 
-from threadpoolctl import threadpool_limits
-
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.mavlink_gimbal.component_port import opener
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.audio.open_source import open_source
 from ross_payload.calibration.cross_spectrum import HeadingSpectrum
 from ross_payload.clock import SystemClock, synchronised_time
+from ross_payload.computing import computing
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault, ConfigError, NotHomed
 from ross_payload.events import Outcome
@@ -79,7 +78,7 @@ def turned(rig: Rig, config: Config, plan: TurnPlan, observers: tuple[Observer, 
     runner.observers = list(observers)
     cancel = rig.clock.every(POLL_PERIOD_S, runner.poll)
     try:
-        with threadpool_limits(1), on_signal(lambda _: runner.order(Stop())):
+        with computing(), on_signal(lambda _: runner.order(Stop())):
             result = runner.run()
     finally:
         cancel()

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
+from ross_payload.computing import computing
 from ross_payload.config import Config
 from ross_payload.doctor.findings import Finding, fail, ok, warn
 from ross_payload.dsp.steering import tdoa
@@ -58,7 +58,7 @@ def rehearsed(config: Config, clock: Clock) -> Cost:
     estimate = Estimate(tuple(SourceEstimate(azimuth, 0.02, 1.0, resolved=True) for azimuth in AZIMUTHS))
     heard = [_heard(config, settings, r) for r in range(settings.min_rotations + 1)]
     long = Listening(0.0, voices(config, 0.0, settings.run))
-    with threadpool_limits(1):
+    with computing():
         separate(context, estimate, Listening(0.0, long.samples[:, : config.audio.rate_hz // 2]))  # loads its tables
         began = clock.now()
         for each in heard:

@@ -11,13 +11,13 @@ from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from ross_payload import __version__
 from ross_payload.actuators.mavlink_gimbal.component_port import opener
 from ross_payload.audio.open_source import open_source
 from ross_payload.bounded_files import set_aside
 from ross_payload.clock import RetryingOpener, SystemClock, synchronised_time
+from ross_payload.computing import computing
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.dronecan.shared_bus import SharedBuses
@@ -60,7 +60,7 @@ def live(config: Config) -> int:
     """
     with ExitStack() as stack:
         stack.enter_context(logging_to(sys.stderr, config.service.log_level, config.service.log_format))
-        stack.enter_context(threadpool_limits(limits=1))
+        stack.enter_context(computing())
         sys.setswitchinterval(SWITCH)
         clock, manager = SystemClock(), Manager.of()
         watchdog = Watchdog(manager, clock, {MISSION: COMPUTE_LIMIT * config.audio.buffer_s})

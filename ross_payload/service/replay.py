@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from threadpoolctl import threadpool_limits
-
+from ross_payload.computing import computing
 from ross_payload.config import Config, load
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Attitude, Mission, VoicePrint
@@ -72,7 +71,7 @@ def _played(
     same, model = not config_changes.matters(differing), ModelFolder.default().in_use(config.voice_print.model)
     who = target_voice(session, VoiceStore.default(), lambda: told.inputs, same=same, model=model)
     anew = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differing)
-    with threadpool_limits(limits=1):
+    with computing():
         inputs = session.inputs(config.audio, anew=anew)
         replay(mission_of(session, recorded, config, who.voiceprint), inputs, course, rate, told)
     if not told.inputs:

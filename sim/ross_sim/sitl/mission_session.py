@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.angles import wrap
 from ross_payload.audio.audio_files import WavWriter, write_wav
 from ross_payload.clock import SystemClock
+from ross_payload.computing import computing
 from ross_payload.config import VEHICLE_YAW, Config, Link
 from ross_payload.config import Guard as Rules
 from ross_payload.errors import OutputError
@@ -93,7 +93,7 @@ def perform(
     """
     wall = SystemClock()
     started = wall.now()
-    with ExitStack() as stack, threadpool_limits(limits=1):
+    with ExitStack() as stack, computing():
         staged = _staged(
             stack, scenario, company, view, out, speed=speed, tape=tape, page=page, tracker=tracker, cache=cache
         )

@@ -17,10 +17,10 @@ from tempfile import TemporaryDirectory
 from typing import Self
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from ross_payload.actuators.registry import checked_options
 from ross_payload.actuators.wires import open_wire
+from ross_payload.computing import computing
 from ross_payload.config import Config, Link
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.dronecan.shared_bus import SharedBuses
@@ -77,7 +77,7 @@ def serve(
         Record from start to end, not only on request.
     """
     scenario = _adapted(scenario, company, always=always)
-    with ExitStack() as stack, threadpool_limits(limits=1):
+    with ExitStack() as stack, computing():
         cast, asked = scenario.cast(company.voices), ListenedSpeed(speed)
         far_end, simulated = scenario.far_end(), SimClock()
         clock = RealTimeClock(simulated, asked, scenario.payload.audio.buffer_s / 2) if speed else simulated
