@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 
 TRIM_THRESHOLD, MMAP_THRESHOLD = -1, -3  # M_.. of glibc's malloc.h
 LARGEST = 32 << 20  # what is larger is mapped by itself all the same; glibc allows no more [bytes]
-KEPT = 256 << 20  # freed, at most, at the end of the heap [bytes]
+KEPT = 128 << 20  # freed, at most, at the end of the heap: more hardly spares pages, and is resident [bytes]
 
 
 @contextmanager
