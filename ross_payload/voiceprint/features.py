@@ -61,8 +61,8 @@ def analyse(voice: Real, rate: int) -> Features:
     samples = at_rate(checked(voice, rate), rate)
     loudness = np.asarray(np.mean(_frames(np.diff(samples, prepend=samples[:1]), FRAME) ** 2, axis=1))
     loud = loudness > LOUDNESS * np.percentile(loudness, 95)
-    periodicity, pitch = _pitch(samples)
-    return Features(_cepstra(_power(samples), loud), pitch[loud & (periodicity > PERIODICITY)])
+    periodicity, pitch = _pitch(samples, loud)
+    return Features(_cepstra(_power(samples), loud), pitch[periodicity > PERIODICITY])
 
 
 def checked(voice: Real, rate: int) -> Real:
@@ -127,10 +127,10 @@ def _cepstra(power: Real, loud: NDArray[np.bool_]) -> Real:
     return np.hstack([cepstra, DELTA_GAIN * slope])[loud].astype(np.float32)
 
 
-def _pitch(samples: Real) -> tuple[Real, Real]:
-    """Return periodicity in [0, 1] and log F0 of every frame, (n_frames,)."""
+def _pitch(samples: Real, loud: NDArray[np.bool_]) -> tuple[Real, Real]:
+    """Return periodicity in [0, 1] and log F0 of the loud frames, (n_loud,)."""
     window = np.hanning(PITCH_FRAME)
-    frames = _frames(samples, PITCH_FRAME)
+    frames = _frames(samples, PITCH_FRAME)[loud]
     frames = (frames - frames.mean(axis=1, keepdims=True)) * window
     correlation, of_window = _autocorrelation(frames), _autocorrelation(window)
     shortest, longest = int(RATE / PITCH_RANGE[1]), int(RATE / PITCH_RANGE[0])
