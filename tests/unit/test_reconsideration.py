@@ -11,6 +11,7 @@ from ross_payload.events import (
     Checked,
     Estimate,
     Outcome,
+    ScoreDropped,
     Separated,
     SourceEstimate,
     SourcesEstimated,
@@ -140,3 +141,11 @@ def test_a_period_in_which_the_array_turned_is_taken_where_it_rested():
     assert found[0][1] == 0
     assert found[1][1] >= 3400
     assert [len(list(takes(Listening(0.5, samples[:, :n]), 3000))) for n in (1400, 1600, 3000, 9100)] == [0, 1, 1, 3]
+
+
+@pytest.mark.parametrize(("sure", "others"), [((97, 98, 99), [0]), ((97, 10, 99), [])])
+def test_nobody_else_comes_next_where_a_source_was_dropped_meanwhile(sure, others):
+    """What the sources were called when the others were left is not what they are called now."""
+    one, result = flown(Again(sure=sure), voiceprint=LouderIsLikelier())
+    assert result.outcome is Outcome.TARGET_FOUND
+    assert [event.other for event in one.said(ScoreDropped)] == others
