@@ -9,7 +9,7 @@ from rich.console import Console
 
 from ross_payload.alignment.paper_rules import paper_plan
 from ross_payload.alignment.plan import Turn, plan
-from ross_payload.events import AlignmentPlanned, Doubted, Estimate, SourceEstimate, SourcesEstimated
+from ross_payload.events import AlignmentPlanned, Doubted, Estimate, ScoreDropped, SourceEstimate, SourcesEstimated
 from ross_payload.telemetry.event_messages import Stamp, alignments
 from ross_payload.telemetry.status_texts import line
 from ross_protocols.mavlink.values import Severity
@@ -32,6 +32,15 @@ def test_the_end_of_belief_is_a_warning_with_its_reason():
     assert DOUBTED.reason in words
     assert "explor" in words
     assert DOUBTED.reason in in_words(DOUBTED, earth=False)
+
+
+def test_a_voice_that_gives_way_is_told_with_what_comes_next():
+    assert in_words(ScoreDropped(9.0, -2.0, 0.5), earth=False) == (
+        "the score dropped to -2.0, below 0.5: starting again"
+    )
+    assert in_words(ScoreDropped(9.0, 2.94, 2.83, other=3), earth=False) == (
+        "source 3 sounds as much like the target, +2.8 beside +2.9: it comes next"
+    )
 
 
 @pytest.mark.parametrize("planner", [plan, paper_plan])
