@@ -42,6 +42,7 @@ from ross_protocols.mavlink.component_id import ComponentId
 
 TICK_S = 0.05  # between two looks at what is due
 SILENT_S = 3.0  # without a message until contact counts as lost
+SETTLED_TIMEOUT_S = 2.0  # for the status after a turn; on a vehicle that turns the axis may never be at rest
 ESTIMATE_TIMEOUT_S = 6.0  # for the sources of an exploration: a link may lose them, and they are repeated every 5 s
 FAILURES = {REFUSED: RefusedByPayload, FAILED: TaskFailed, CANCELLED: TaskCancelled, NO_ANSWER: LinkLost}
 
@@ -137,14 +138,17 @@ class Payload(StreamRequests):
     async def turn(self, heading_deg: float) -> None:
         """Point the axis from microphone 1 to microphone 2 to a heading and stay there."""
         await self.request(command_types.Turn(heading_deg))
+        await self._settled()
 
     async def park(self) -> None:
         """Turn to the parking position of the payload's configuration."""
         await self.request(command_types.Park())
+        await self._settled()
 
     async def home(self) -> None:
         """Find the zero of the joint."""
         await self.request(command_types.Home())
+        await self._settled()
 
     async def measure_noise(self, duration_s: float = 0.0) -> None:
         """Measure the noise while nobody talks; 0: as long as the lead-in of the payload's configuration."""
@@ -239,6 +243,16 @@ class Payload(StreamRequests):
         for event in events_between(before, self._state) if before is not self._state else ():
             self._publish(event)
         self._publish_progress()
+
+    async def _settled(self) -> None:
+        """Wait a little until the status says where the axis has come to rest: the acknowledgement overtakes it."""
+        before = self._state.status
+
+        def arrived() -> bool:
+            now = self._state.status
+            return now is not None and now is not before and now.settled
+
+        await self._changed.within(SETTLED_TIMEOUT_S, arrived)
 
     async def _tick(self) -> None:
         """Do what is due, until cancelled."""
