@@ -56,8 +56,8 @@ class Stop:
     """When enough has been heard."""
 
     margin: float = 2.0  # every source is worth this many times its price, the last rival this many times less
-    doubt: float = 0.1  # largest probability that there are fewer talkers
-    missed: float = 0.025  # and that there are more: after the exploration nobody is looked for
+    doubt: float = 0.1  # largest probability that there are fewer talkers, and that there are more without a rival
+    missed: float = 0.025  # largest probability that there are more: after the exploration nobody is looked for
     sigma: float = np.deg2rad(2.0)  # largest standard deviation [rad]
     orientations: int = 7
     evidence: float = 100.0  # effective counts

@@ -12,6 +12,7 @@ from ross_protocols.mavlink.commands import Result
 from ross_protocols.mavlink.dialect import common, ross
 from ross_protocols.mavlink.params import value_message
 
+TURNS = {ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_PARK, ross.MAV_CMD_ROSS_HOME}
 NUMBERS = {"EXP_UNIT": 3.0, "EXP_MAX_ROT": 12.0}
 
 
@@ -33,6 +34,7 @@ class Scripted(HandStation):
         self.results, self.text = results, text
         self.refuses = False
         self.found = ()  # sources of an exploration, told after it was acknowledged
+        self.turned = (status(2.0, settled=True),)  # told after a turn was
         self.say(status(1.0))
 
     def commands(self):
@@ -47,6 +49,8 @@ class Scripted(HandStation):
             if message.command == ross.MAV_CMD_ROSS_EXPLORE:
                 k = self.found[0].count if self.found else 0
                 asyncio.get_running_loop().call_later(0.1, self.say, status(2.0, k=k), *self.found)
+            if message.command in TURNS:
+                asyncio.get_running_loop().call_later(0.1, self.say, *self.turned)
             if self.text:
                 asyncio.get_running_loop().call_later(0.1, self.say, v.Text(v.Severity.WARNING, self.text))
         elif kind == "COMMAND_LONG":

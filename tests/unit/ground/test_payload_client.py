@@ -19,7 +19,7 @@ from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.commands import Result
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common, ross
-from scripted_station import NUMBERS, Scripted, raised, source, with_payload
+from scripted_station import NUMBERS, Scripted, raised, source, status, with_payload
 
 OTHER = ComponentId(2, 191)
 
@@ -137,6 +137,25 @@ def test_exploring_returns_the_sources_that_are_told_after_its_acknowledgement()
     found = with_payload(station, lambda payload: payload.explore())
     assert [each.source for each in found] == [0, 1]
     assert [each.azimuth_deg for each in found] == pytest.approx([90.0, 200.0])
+
+
+async def heading_after_a_turn(payload):
+    await payload.turn(10)
+    return payload.view["pointing"]["heading"]
+
+
+def test_after_a_turn_the_view_shows_where_the_axis_came_to_rest():
+    station = Scripted(Result.ACCEPTED)
+    moving, still = (status(2.0 + late, heading=math.radians(-9 - late), settled=late == 1) for late in (0, 1))
+    station.turned = (moving, still)
+    assert with_payload(station, heading_after_a_turn) == pytest.approx(10)
+
+
+def test_a_turn_ends_also_where_the_axis_never_rests(monkeypatch):
+    monkeypatch.setattr(payload_client, "SETTLED_TIMEOUT_S", 0.3)
+    station = Scripted(Result.ACCEPTED)
+    station.turned = (status(2.0, heading=math.radians(-9)),)
+    assert with_payload(station, heading_after_a_turn) == pytest.approx(9)
 
 
 def test_exploring_a_silent_room_returns_nobody():
