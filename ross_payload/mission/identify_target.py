@@ -86,13 +86,23 @@ def recognise(
 
     One that does not keeps the score that it had.
     """
-    groups, voices = separate(context, estimate, listening)
-    if evidence is None:
-        return scored(context, groups, voices)
-    clear = set(np.flatnonzero(_clear(context, estimate, listening)).tolist())
-    heard = lone_voices(groups, voices)
-    for source in clear & set(heard):
-        evidence.hear(source, heard[source])
+    return judged(context, estimate, listening.heading, separate(context, estimate, listening), evidence)
+
+
+def judged(
+    context: Context,
+    estimate: Estimate,
+    heading: float,
+    separated: tuple[Groups, Real],
+    evidence: Evidence | None = None,
+) -> Identification:
+    """Score what was separated at a heading [rad] as `recognise` says; the ``evidence`` hears it, too."""
+    groups, voices = separated
+    if evidence is not None:
+        clear = set(np.flatnonzero(_clear(context, estimate, heading)).tolist())
+        heard = lone_voices(groups, voices)
+        for source in clear & set(heard):
+            evidence.hear(source, heard[source])
     return scored(context, groups, voices, evidence)
 
 
@@ -198,7 +208,7 @@ def _apart(context: Context, estimate: Estimate, headings: Sequence[float]) -> R
     return isolation(azimuths, headings, context.settings.spacing, context.settings.speed_of_sound, elevations)
 
 
-def _clear(context: Context, estimate: Estimate, listening: Listening) -> NDArray[np.bool_]:
+def _clear(context: Context, estimate: Estimate, heading: float) -> NDArray[np.bool_]:
     """Whether a heading isolates each source by `APART` of the best one at least, (k,)."""
-    apart = _apart(context, estimate, [listening.heading, *HEADINGS])
+    apart = _apart(context, estimate, [heading, *HEADINGS])
     return np.asarray(apart[:, 0] >= APART * apart.max(axis=1))

@@ -17,7 +17,7 @@ from ross_payload.dsp.steering import ALIAS
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Groups, Real
 from ross_payload.mission.context import Context, Listening
-from ross_payload.mission.identify_target import Identification, recognise, scored, separate
+from ross_payload.mission.identify_target import Identification, judged, recognise, separate
 from ross_payload.mission.voice_evidence import Evidence
 
 SHORTEST = 0.5  # piece [s]
@@ -40,7 +40,7 @@ def recognise_moving(
 ) -> Identification:
     """Separate and score a period that began with sample ``start``; in one piece unless somebody has moved.
 
-    Of who stays what was heard before counts, too: ``evidence``.
+    What was heard before counts, too: ``evidence``. Whoever stands well apart in the longest piece adds to it.
     """
     tracker = context.tracker
     if tracker is None or not (tracker.acts or tracker.turned > start / context.settings.rate):
@@ -54,8 +54,9 @@ def recognise_moving(
     azimuths = tracker.azimuths_at((start + middles) / rate)
     tracker.forget((start + n) / rate)
     found = pieces(azimuths, headings, edges, round(SHORTEST * rate))
-    groups, voices = _joined(context, estimate, listening, found)
-    return scored(context, groups, voices)
+    longest = max(found, key=lambda piece: piece.last - piece.first)
+    there = _with_azimuths(estimate, longest.azimuths)
+    return judged(context, there, longest.heading, _joined(context, estimate, listening, found), evidence)
 
 
 def pieces(azimuths: Real, headings: Real, edges: Real, shortest: int) -> list[Piece]:
@@ -117,15 +118,11 @@ def _joined(context: Context, estimate: Estimate, listening: Listening, found: S
     voices = np.zeros((estimate.k, n), np.float32)  # of the group that holds every source
     for piece in found:
         begin, end = max(piece.first - around, 0), min(piece.last + around, n)
-        sources = tuple(
-            replace(source, azimuth=wrap(float(azimuth)))
-            for source, azimuth in zip(estimate.sources, piece.azimuths, strict=True)
-        )
         aboard = listening.aboard + piece.heading - listening.heading
         heard = Listening(
             piece.heading, listening.samples[:, begin:end], aboard=aboard, rotor_speeds=_speeds(listening, begin, end)
         )
-        groups, parts = separate(context, replace(estimate, sources=sources), heard)
+        groups, parts = separate(context, _with_azimuths(estimate, piece.azimuths), heard)
         weight = _window(piece, np.arange(begin, end), n, fade)
         for group, part in zip(groups.members, parts, strict=True):
             for source in group:
@@ -135,6 +132,12 @@ def _joined(context: Context, estimate: Estimate, listening: Listening, found: S
     why = made[-1].why if len(made) == 1 else f"{made[-1].why}, in {len(made)} pieces"
     joined = Groups(np.zeros((len(together), 1, 0), complex), together, made[-1].method, why)
     return joined, voices[[members[0] for members in together]]
+
+
+def _with_azimuths(estimate: Estimate, azimuths: Real) -> Estimate:
+    """The same sources elsewhere [rad], (k,)."""
+    places = zip(estimate.sources, azimuths, strict=True)
+    return replace(estimate, sources=tuple(replace(each, azimuth=wrap(float(azimuth))) for each, azimuth in places))
 
 
 def _window(piece: Piece, samples: Real, n: int, fade: int) -> Real:

@@ -30,6 +30,7 @@ from ross_payload.mission.mission_sequence import mission
 from ross_payload.mission.moving_sources import recognise_moving
 from ross_payload.mission.settings import Tools
 from ross_payload.mission.source_tracking import SourceTracker
+from ross_payload.mission.voice_evidence import Evidence
 from ross_payload.mission_state import MissionState, reduce
 from ross_payload.pointing import Pointing
 
@@ -271,8 +272,11 @@ def test_a_period_in_which_the_array_has_turned_is_cut_also_when_nobody_has_move
     for turned, pieces in ((-1.0, 1), (2.0, 2)):
         heard.clear()
         context.tracker.turned = turned
-        recognise_moving(context, told, 0, Listening(math.radians(15), samples, 0.3, headings))
+        evidence = Evidence(RATE, context.tools.voiceprint)
+        evidence.hear(1, samples[0][: round(0.7 * RATE)])
+        recognise_moving(context, told, 0, Listening(math.radians(15), samples, 0.3, headings), evidence)
         assert len(heard) == pieces
+        assert evidence.seconds(1) == pytest.approx(4.7)  # what was heard before counts, too
     unit = SPACING / SPEED
     assert heard[0] == pytest.approx(unit * np.cos(np.radians([60, 150])))
     assert heard[1] == pytest.approx(unit * np.cos(np.radians([30, 120])))
