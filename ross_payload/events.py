@@ -130,7 +130,7 @@ class SourcesTracked(Event):
 class SourcesReconsidered(Event):
     """How sure the sources of the latest estimate are by all that was heard since; in its order, and as many.
 
-    An estimate without those that are dropped follows, where any are.
+    An estimate without those that are dropped follows, where any are, or one with those that are added.
     """
 
     estimate: Estimate
@@ -181,7 +181,10 @@ class GroupScore:
 
 @dataclass(frozen=True, slots=True)
 class Checked(Event):
-    """T_check of listening at a candidate, separated and scored."""
+    """T_check of listening at a candidate, separated and scored; or who was recognised before the array came there.
+
+    Then the groups are those who were recalled from the exploration, each alone.
+    """
 
     candidate: AlignmentCandidate
     groups: tuple[GroupScore, ...]

@@ -17,7 +17,7 @@ from ross_payload.mission.voice_evidence import Evidence, lone_voices
 
 APART = 0.5  # a heading tells of a source when it isolates it by this share of the best one
 WELL = 0.6  # and need not be joined by another one at first when it does by this share
-CERTAIN = 4.0  # over the criterion: nobody else is recalled when somebody sounds so much like the target [nat]
+CERTAIN = 4.0  # over the criterion: who sounds so much like the target is not checked, nobody else recalled [nat]
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,16 +139,15 @@ def recall(context: Context, estimate: Estimate, known: Evidence | None = None) 
         for source in unheard:
             if _tells(apart[source])[orientation]:
                 _hear_recalled(context, estimate, evidence, source, [orientation])
-        if _beyond_doubt(context, evidence):
+        if any(beyond_doubt(context, evidence, source) for source in evidence.scores):
             break
     return evidence
 
 
-def _beyond_doubt(context: Context, evidence: Evidence) -> bool:
+def beyond_doubt(context: Context, evidence: Evidence, source: int) -> bool:
     """Whether a source that was heard for T_unit sounds like the target as few others do."""
-    enough = 0.99 * context.settings.unit
-    sure = context.settings.criterion + CERTAIN
-    return any(value >= sure and evidence.seconds(source) >= enough for source, value in evidence.scores.items())
+    sure = evidence.scores.get(source, -np.inf) >= context.settings.criterion + CERTAIN
+    return evidence.target is not None and sure and evidence.seconds(source) >= 0.99 * context.settings.unit
 
 
 def recall_more(context: Context, estimate: Estimate, evidence: Evidence, source: int) -> None:
@@ -172,7 +171,8 @@ def _hear_recalled(
     told.update(new)
     for i in new:
         if i not in evidence.recalled:
-            evidence.recalled[i] = lone_voices(*separate_piece(context, estimate, context.explored[i]))
+            groups, voices = separate_piece(context, estimate, context.explored[i])
+            evidence.recalled[i], evidence.method = lone_voices(groups, voices), groups.method
     evidence.hear(source, *(evidence.recalled[i][source] for i in new if source in evidence.recalled[i]))
 
 

@@ -24,6 +24,7 @@ class Evidence:
     clips: dict[int, list[Real]] = field(default_factory=dict)  # (n_samples,) each
     recalled: dict[int, dict[int, Real]] = field(default_factory=dict)  # voices by source, by orientation explored
     told: dict[int, set[int]] = field(default_factory=dict)  # orientations at which each was recalled
+    method: str = ""  # the separator of what was recalled
 
     def seconds(self, source: int) -> float:
         """How much was heard of a source [s]."""
@@ -46,7 +47,7 @@ class Evidence:
         """Return the same of the sources that have a name in another estimate, {here: there}."""
         scores = {names[source]: value for source, value in self.scores.items() if source in names}
         clips = {names[source]: list(heard) for source, heard in self.clips.items() if source in names}
-        return Evidence(self.rate, self.target, scores, clips)
+        return Evidence(self.rate, self.target, scores, clips, method=self.method)
 
 
 def latest(clips: Sequence[Real], most: int) -> list[Real]:

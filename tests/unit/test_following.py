@@ -121,9 +121,9 @@ def test_an_alignment_is_reached_although_the_actuator_never_settles():
     fast = replace(SWINGING, speed=np.deg2rad(20))
     one = vehicle(yaw=fast, planner=paper_plan)
     assert one.run().outcome is Outcome.TARGET_FOUND
-    checked = one.said(Checked)[-1]
-    during = one.heard_between(checked.time - base.SETTINGS.check, checked.time)
-    assert off([during[0].pointing.heading], checked.candidate.heading)[0] < 2.5
+    ended = one.said(Separated)[-1].time
+    during = one.heard_between(ended - base.SETTINGS.run, ended)
+    assert off([during[0].pointing.heading], one.said(Checked)[-1].candidate.heading)[0] < 2.5
 
 
 def test_the_sources_stay_where_they_are_in_the_earth_frame():

@@ -34,10 +34,8 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.interfaces import (
-    Groups,
-    Score,
-)
+from ross_payload.interfaces import Groups, Score
+from ross_payload.mission.identify_target import CERTAIN
 from ross_payload.orders import Cancel, Stop
 
 
@@ -204,7 +202,11 @@ def test_a_doubtful_score_has_more_of_the_exploration_separated_each_orientation
     explored = []
     for score in (1.0, 0.1):
         separator = CountingFrames()
-        one = rig(explorer=ThreeTalkers(certain=False), separator=separator, voiceprint=Likes(1, {CHECKED: score}))
+        one = rig(
+            explorer=ThreeTalkers(certain=False),
+            separator=separator,
+            voiceprint=Likes(1, {RECALLED: 0.5, CHECKED: score}),
+        )
         assert one.run().outcome is Outcome.TARGET_FOUND
         explored.append(separator.frames.count(separator.frames[0]))  # as long as T_unit
     assert explored[0] <= 3  # the best orientation of everybody
@@ -212,7 +214,7 @@ def test_a_doubtful_score_has_more_of_the_exploration_separated_each_orientation
 
 
 def test_all_that_was_heard_of_a_voice_is_compared_together():
-    voiceprint = Likes(1)
+    voiceprint = Likes(1, {RECALLED: 0.5})
     lengths, score = [], voiceprint.score
     voiceprint.score = lambda voice, rate: (lengths.append(len(voice) / rate), score(voice, rate))[1]
     rig(voiceprint=voiceprint).run()
@@ -238,6 +240,31 @@ def test_a_voice_that_the_exploration_has_recognised_is_visited_first():
         one = rig(likes=number)
         one.run()
         assert [event.candidate.source for event in one.said(Checked)] == [number]
+
+
+@pytest.mark.parametrize(("sounds", "checks"), [(CERTAIN, 0), (CERTAIN - 0.1, 1)])
+def test_whom_the_exploration_leaves_no_doubt_of_is_listened_to_without_a_check(sounds, checks):
+    one = rig(voiceprint=Likes(1, {RECALLED: (SETTINGS.criterion + sounds) / SURE}))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    states = [event.state for event in one.said(StateChanged)]
+    assert states.count(State.CHECK) == checks
+    (checked,), (separated,) = one.said(Checked), one.said(Separated)
+    assert checked.time + SETTINGS.run == pytest.approx(separated.time, abs=2 * HOP / RATE)
+    assert (checked.candidate.source, checked.groups[checked.accepted].members) == (1, (1,))
+    assert checked.method == "numbered"
+    assert (checked.why == "by what was heard before") == (checks == 0)
+
+
+def test_who_was_told_from_outside_is_checked_however_sure_the_voice():
+    one = rig(informed=ThreeTalkers().estimate([None] * 3), likes=1)
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert State.CHECK in [event.state for event in one.said(StateChanged)]
+
+
+def test_who_is_listened_to_without_a_check_is_judged_by_t_run():
+    one = rig(voiceprint=Likes(1, {RUN: -1.0}), settings=replace(SETTINGS, max_restarts=0))
+    assert one.run().outcome is Outcome.NO_TARGET
+    assert one.said(ScoreDropped)
 
 
 def test_a_voice_recognised_from_another_alignment_is_confirmed_at_its_own():
