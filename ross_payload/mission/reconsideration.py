@@ -1,9 +1,9 @@
-"""Sources confirmed or dropped while the mission listens to one of them.
+"""Sources confirmed, dropped or added while the mission listens to one of them.
 
 What is heard at the alignments tells the explorer as much as orientations do. It is asked to explain all of it, the
 exploration and what came after, by the sources that are believed in: every confidence is then that of everything
-heard. A source that is most probably nobody is dropped; all others stay where they are. Nobody is added: where there
-may be more talkers the estimate has a rival.
+heard. A source that is most probably nobody is dropped; all others stay where they are. Where there may be more talkers
+the explanation has a rival: who is somebody beyond doubt in it, beside everybody who is believed in, is added.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ from ross_payload.angles import difference
 from ross_payload.events import Estimate, SourceEstimate, SourcesEstimated, SourcesReconsidered
 from ross_payload.interfaces import Real
 from ross_payload.mission.context import Context, Listening
-from ross_payload.mission.orientation_scan import observe
+from ross_payload.mission.orientation_scan import matched, observe
 
 DROPPED = 0.35  # probability that a source is somebody, below which it is dropped
+ADDED = 0.9  # probability that a source of the rival is somebody, from which on it is added
 SAME = np.deg2rad(15.0)  # a source of both explanations is in one place, or nearly [rad]
 SPOT = np.deg2rad(0.5)  # headings nearer than this are one [rad]
 MOST = 4  # T_unit heard at one heading that count, the latest: none may outweigh the exploration
@@ -77,8 +78,8 @@ def _stretches(headings: Real) -> Iterator[tuple[int, int]]:
 def reconsider(context: Context, estimate: Estimate, source: int | None) -> tuple[Estimate, dict[int, int]]:
     """Ask the explorer about all that was heard, and say what it believes.
 
-    Returns what is left, and what its sources were called before, {before: now}. ``source``, which sounds like the
-    target, is never dropped.
+    Returns what it believes in now, and what the sources were called before, {before: now}. ``source``, which sounds
+    like the target, is never dropped.
     """
     everybody, explorer = {k: k for k in range(estimate.k)}, context.tools.reconsidering
     if explorer is None or not _due(context, estimate):
@@ -93,9 +94,37 @@ def reconsider(context: Context, estimate: Estimate, source: int | None) -> tupl
     context.publish(SourcesReconsidered(context.time, renewed, dropped))
     if dropped:
         return _without(context, renewed, dropped)
+    more = joined(renewed)
+    if more is not None:
+        context.publish(SourcesEstimated(context.time, more, context.rotations, final=True))
+        return more, everybody
     if context.tracker is not None:
         context.tracker.anchor = renewed
     return renewed, everybody
+
+
+def joined(estimate: Estimate) -> Estimate | None:
+    """The estimate with those of its rival who are no sources of its own, after them; None when one of them is doubted.
+
+    None, too, when its own are not all in the rival, or nobody else is.
+
+    >>> def told(*pairs, rival=None):
+    ...     return Estimate(tuple(SourceEstimate(a, 0.1, c, True) for a, c in pairs), rival=rival)
+    >>> rival = told((0.1, 1.0), (1.0, 0.95), (2.0, 1.0))
+    >>> [source.azimuth for source in joined(told((2.0, 1.0), (0.0, 1.0), rival=rival)).sources]
+    [2.0, 0.0, 1.0]
+    >>> joined(told((0.0, 1.0), rival=told((0.1, 1.0), (1.0, 0.8))))
+    >>> joined(told((2.0, 1.0), (0.0, 1.0), rival=told((0.1, 1.0), (1.0, 0.95), (-2.0, 1.0))))
+    """
+    if estimate.rival is None:
+        return None
+    own = [source.azimuth for source in estimate.sources]
+    again = set(matched(own, estimate.rival, SAME).values())
+    new = [each for each in estimate.rival.sources if np.abs(difference(np.array(own), each.azimuth)).min() > SAME]
+    everybody = len(again) == estimate.k == estimate.rival.k - len(new)
+    if not new or not everybody or any(each.confidence < ADDED for each in new):
+        return None
+    return replace(estimate, sources=(*estimate.sources, *new), rival=None)
 
 
 def reassessed(before: Estimate, now: Estimate | None) -> Estimate | None:

@@ -1,4 +1,4 @@
-"""Sources are confirmed or dropped by what is heard after the exploration; the rig is that of mission_bench."""
+"""Sources are confirmed, dropped or added by what is heard after the exploration; the rig is that of mission_bench."""
 
 from dataclasses import dataclass, field, replace
 
@@ -30,13 +30,20 @@ class Again(base.ThreeTalkers):
     """An explorer that has these confidences [%] in the sources at its azimuths when it is asked again."""
 
     sure: tuple[int, ...] = (97, 98, 99)
+    more: tuple[tuple[int, int], ...] = ()  # azimuth and confidence [%] of others in its second explanation
     asked: list = field(default_factory=list)
 
     def reconsider(self, observations, believed):
         self.asked.append((len(observations), believed.k))
-        pairs = [(a, s) for a, s in zip(self.azimuths, self.sure, strict=True) if s >= 0]
-        sources = (SourceEstimate(wrap(np.deg2rad(a + 3)), 0.01, s / 100, True) for a, s in pairs)
-        return Estimate(tuple(sources))
+        pairs = [(a + 3, s) for a, s in zip(self.azimuths, self.sure, strict=True) if s >= 0]
+        if believed.k == len(pairs) + len(self.more):
+            return told(*pairs, *self.more)
+        rival = told(*reversed(pairs), *self.more) if self.more else None
+        return replace(told(*pairs), rival=rival)
+
+
+def told(*pairs):
+    return Estimate(tuple(SourceEstimate(wrap(np.deg2rad(a)), 0.01, sure / 100, True) for a, sure in pairs))
 
 
 class LouderIsLikelier(VoicePrint):
@@ -88,6 +95,29 @@ def test_a_source_that_no_explanation_of_as_many_holds_any_more_is_dropped():
     assert azimuths(one.said(SourcesEstimated)[-1].estimate) == list(AZIMUTHS[:2])
 
 
+def test_who_is_somebody_beyond_doubt_in_the_second_explanation_is_added_after_the_others():
+    again = Again(more=((-110, 95),))
+    one, result = flown(again, likes=1, settings=replace(base.SETTINGS, run=5.25, runs=4))
+    assert result.outcome is Outcome.TARGET_FOUND
+    last = one.said(SourcesEstimated)[-1]
+    assert (azimuths(last.estimate), last.final) == ([*AZIMUTHS, -110], True)
+    assert last.estimate.rival is None
+    groups = [len(event.groups) for event in one.said(Separated)]
+    assert groups == [4] * len(groups)
+    assert [event.target for event in one.said(Separated)] == [1] * len(groups)
+
+
+@pytest.mark.parametrize("more", [((-110, 89),), ((-110, 95), (130, 89)), ((82, 95),)])
+def test_nobody_is_added_who_is_doubtful_or_known(more):
+    one, _ = flown(Again(more=more), likes=1)
+    assert azimuths(one.said(SourcesEstimated)[-1].estimate) == list(AZIMUTHS)
+
+
+def test_nobody_is_added_where_somebody_is_dropped():
+    one, _ = flown(Again(sure=(97, 98, 10), more=((-110, 95),)), likes=1)
+    assert azimuths(one.said(SourcesEstimated)[-1].estimate) == list(AZIMUTHS[:2])
+
+
 def test_who_sounds_like_the_target_is_never_dropped_and_goes_by_the_new_name():
     one, result = flown(Again(sure=(10, 98, 10)), voiceprint=LouderIsLikelier())
     assert one.said(Checked)[-1].accepted == 2
@@ -112,8 +142,7 @@ def test_without_the_target_the_last_estimate_is_that_of_everything_heard():
 
 def test_told_azimuths_are_not_reconsidered():
     again = Again()
-    told = again.estimate([None] * 3)
-    one, _ = flown(again, informed=told)
+    one, _ = flown(again, informed=again.estimate([None] * 3))
     assert not again.asked
     assert not one.said(SourcesReconsidered)
 
