@@ -100,7 +100,9 @@ def _attempt(
         believed, source = context.believed or (estimate, source)
         other = None
         if why in {DROPPED, OUTSCORED} and at_once and among is not None:
-            if believed.k != among.estimate.k:
+            if added(among.estimate, believed):  # meanwhile, and whoever it is has not been visited either
+                among = _newcomers(context, among, believed)
+            elif believed.k != among.estimate.k:
                 _say_estimate(context, among.estimate)
             among, other = yield from _sought(context, among)
             estimate = among.estimate
@@ -146,11 +148,15 @@ def _sought_on(context: Context, among: Search) -> Step[tuple[Search, int | None
 
 
 def _newcomers(context: Context, among: Search, estimate: Estimate) -> Search:
-    """Begin to look for the target among the sources of another estimate who have not been heard yet."""
+    """Begin to look for the target among the sources of another estimate who have not been visited yet."""
     known = matched([each.azimuth for each in among.estimate.sources], estimate)
     other = search_among(context, estimate, align(context, estimate), known=among.evidence.renamed(known))
-    other.longer = {known[each] for each in among.longer if each in known}
-    other.left = [candidate for candidate in other.left if candidate.source not in known.values()]
+    visited = set(known.values()) - {known[each.source] for each in among.left if each.source in known}
+    other.left = [candidate for candidate in other.left if candidate.source not in visited]
+    other.first = None if among.first is None else known.get(among.first)
+    other.longer, other.returned = (
+        {known[each] for each in of if each in known} for of in (among.longer, among.returned)
+    )
     return other
 
 

@@ -10,6 +10,7 @@ from ross_payload.angles import wrap
 from ross_payload.events import (
     Checked,
     Estimate,
+    OrientationHeard,
     Outcome,
     ScoreDropped,
     Separated,
@@ -105,6 +106,28 @@ def test_who_is_somebody_beyond_doubt_in_the_second_explanation_is_added_after_t
     groups = [len(event.groups) for event in one.said(Separated)]
     assert groups == [4] * len(groups)
     assert [event.target for event in one.said(Separated)] == [1] * len(groups)
+
+
+@dataclass
+class Refuted(VoicePrint):
+    """Some voices sound like the target at first, and others after T_run."""
+
+    at_first: set[int]
+    after_run: set[int]
+
+    def score(self, voice, rate):
+        accepted = base.Likes.who(voice) in (self.after_run if base.occasion(voice) == base.RUN else self.at_first)
+        return Score(base.SURE if accepted else -base.SURE, accepted)
+
+
+@pytest.mark.parametrize(("at_first", "target", "most"), [({1, 3}, 3, 2), ({0, 1, 2}, 2, 4), ({0, 1, 2, 3}, 3, 5)])
+def test_who_was_added_or_left_is_visited_when_the_voice_that_was_listened_to_is_another(at_first, target, most):
+    one, result = flown(Again(more=((-110, 95),)), voiceprint=Refuted(at_first, {target}))
+    assert (result.outcome, result.reason) == (Outcome.TARGET_FOUND, f"source {target} is the target")
+    visited = [event.candidate.source for event in one.said(Checked)]
+    assert len(visited) <= most
+    assert len([event for event in one.said(OrientationHeard) if event.index == 0]) == 1  # not explored anew
+    assert one.said(SourcesEstimated)[-1].estimate.k == 4
 
 
 @pytest.mark.parametrize("more", [((-110, 89),), ((-110, 95), (130, 89)), ((82, 95),)])
