@@ -21,6 +21,7 @@ from ross_payload.mission.orientation_scan import matched, observe
 
 DROPPED = 0.35  # probability that a source is somebody, below which it is dropped
 ADDED = 0.9  # probability that a source of the rival is somebody, from which on it is added
+APART = np.deg2rad(30.0)  # from every source that is known; nearer a talker is found in two parts, now and then [rad]
 SAME = np.deg2rad(15.0)  # a source of both explanations is in one place, or nearly [rad]
 SPOT = np.deg2rad(0.5)  # headings nearer than this are one [rad]
 MOST = 4  # T_unit heard at one heading that count, the latest: none may outweigh the exploration
@@ -120,9 +121,11 @@ def joined(estimate: Estimate) -> Estimate | None:
         return None
     own = [source.azimuth for source in estimate.sources]
     again = set(matched(own, estimate.rival, SAME).values())
-    new = [each for each in estimate.rival.sources if np.abs(difference(np.array(own), each.azimuth)).min() > SAME]
-    everybody = len(again) == estimate.k == estimate.rival.k - len(new)
-    if not new or not everybody or any(each.confidence < ADDED for each in new):
+    new = [each for index, each in enumerate(estimate.rival.sources) if index not in again]
+    if not new or len(again) < estimate.k:
+        return None
+    apart = np.abs(difference(np.array(own)[:, None], [each.azimuth for each in new]))
+    if apart.min() < APART or min(each.confidence for each in new) < ADDED:
         return None
     return replace(estimate, sources=(*estimate.sources, *new), rival=None)
 

@@ -130,8 +130,8 @@ def test_who_was_added_or_left_is_visited_when_the_voice_that_was_listened_to_is
     assert one.said(SourcesEstimated)[-1].estimate.k == 4
 
 
-@pytest.mark.parametrize("more", [((-110, 89),), ((-110, 95), (130, 89)), ((82, 95),)])
-def test_nobody_is_added_who_is_doubtful_or_known(more):
+@pytest.mark.parametrize("more", [((-110, 89),), ((-110, 95), (130, 89)), ((98, 95),)])
+def test_nobody_is_added_who_is_doubtful_or_near_somebody_who_is_known(more):
     one, _ = flown(Again(more=more), likes=1)
     assert azimuths(one.said(SourcesEstimated)[-1].estimate) == list(AZIMUTHS)
 
