@@ -183,7 +183,7 @@ class GroupScore:
 class Checked(Event):
     """T_check of listening at a candidate, separated and scored; or who was recognised before the array came there.
 
-    Then the groups are those who were recalled from the exploration, each alone.
+    Then the groups are those who were heard by then, each alone: nobody was separated at this heading.
     """
 
     candidate: AlignmentCandidate

@@ -154,9 +154,8 @@ def _newcomers(context: Context, among: Search, estimate: Estimate) -> Search:
     visited = set(known.values()) - {known[each.source] for each in among.left if each.source in known}
     other.left = [candidate for candidate in other.left if candidate.source not in visited]
     other.first = None if among.first is None else known.get(among.first)
-    other.longer, other.returned = (
-        {known[each] for each in of if each in known} for of in (among.longer, among.returned)
-    )
+    other.longer = {known[each] for each in among.longer if each in known}
+    other.returned = {known[each] for each in among.returned if each in known}
     return other
 
 

@@ -9,7 +9,18 @@ from rich.console import Console
 
 from ross_payload.alignment.paper_rules import paper_plan
 from ross_payload.alignment.plan import Turn, plan
-from ross_payload.events import AlignmentPlanned, Doubted, Estimate, ScoreDropped, SourceEstimate, SourcesEstimated
+from ross_payload.events import (
+    AlignmentCandidate,
+    AlignmentPlanned,
+    Checked,
+    Doubted,
+    Estimate,
+    GroupScore,
+    ScoreDropped,
+    SourceEstimate,
+    SourcesEstimated,
+)
+from ross_payload.mission.exploit import HEARD_BEFORE
 from ross_payload.telemetry.event_messages import Stamp, alignments
 from ross_payload.telemetry.status_texts import line
 from ross_protocols.mavlink.values import Severity
@@ -40,6 +51,19 @@ def test_a_voice_that_gives_way_is_told_with_what_comes_next():
     )
     assert in_words(ScoreDropped(9.0, 2.94, 2.83, other=3), earth=False) == (
         "source 3 sounds as much like the target, +2.8 beside +2.9: it comes next"
+    )
+
+
+def test_who_is_recognised_is_told_by_its_source_and_what_it_was_recognised_by():
+    at, scores = (
+        AlignmentCandidate(1, 0.0, 0.0, 0.0, "gain"),
+        (GroupScore((1,), 4.8, True), GroupScore((0, 2), -3, False)),
+    )
+    assert in_words(Checked(9.0, at, scores, 0, "refined", HEARD_BEFORE), earth=False) == (
+        "voice scores by refined, by what was heard before (1: +4.8, 0+2: -3.0): source 1 is the target"
+    )
+    assert in_words(Checked(9.0, at, scores, None, "refined", "directions known"), earth=False) == (
+        "voice scores by refined (1: +4.8, 0+2: -3.0): no target here"
     )
 
 

@@ -17,6 +17,7 @@ from rich.text import Text
 from ross_payload import events
 from ross_payload.bounded_files import printable
 from ross_payload.interfaces import Input, Real
+from ross_payload.mission.exploit import HEARD_BEFORE
 from ross_payload.telemetry.status_texts import contradicted
 from ross_protocols.angle_text import bearing, bearings, frame, rotation
 
@@ -208,10 +209,11 @@ def in_words(event: events.Event, *, earth: bool) -> str:  # noqa: PLR0911, PLR0
             return f"headings to try, {frame(earth)}: {plans}" if plans else "no alignment is within the joint's limits"
         case events.TurnStarted(heading=heading, reason=reason):
             return f"turning to {bearings([heading], earth=earth)}: {reason}" if "alignment" in reason else ""
-        case events.Checked(groups=groups, method=method, accepted=accepted):
-            scores = ", ".join(f"{'+'.join(map(str, g.members))}: {g.value:+.1f}" for g in groups)
-            verdict = "no target here" if accepted is None else f"group {accepted} is the target"
-            return f"voice scores by {method} ({scores}): {verdict}"
+        case events.Checked(groups=groups, method=method, accepted=accepted, why=why):
+            scores = ", ".join(f"{_members(group)}: {group.value:+.1f}" for group in groups)
+            known = f", {why}" if why == HEARD_BEFORE else ""
+            verdict = "no target here" if accepted is None else f"source {_members(groups[accepted])} is the target"
+            return f"voice scores by {method}{known} ({scores}): {verdict}"
         case events.Separated(groups=groups, target=target, method=method, why=why):
             return f"separated by {method}, score {groups[target].value:+.1f}" + (f": {why}" if why else "")
         case events.ScoreDropped(value=value, criterion=criterion, other=None):
@@ -270,3 +272,12 @@ class _Shown(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Give one line."""
         self._view.on_log(printable(record.getMessage()))
+
+
+def _members(group: events.GroupScore) -> str:
+    """The sources of a group.
+
+    >>> _members(events.GroupScore((0, 2), 1.0, accepted=True))
+    '0+2'
+    """
+    return "+".join(map(str, group.members))
