@@ -96,6 +96,19 @@ def test_samples_lie_on_the_24_bit_grid(make):
     assert np.array_equal(counts, np.rint(counts))
 
 
+@pytest.mark.parametrize("rate", [RATE, 22050])
+def test_quanta_that_are_rendered_at_once_sound_as_if_each_were_alone(make, monkeypatch, rate):
+    noise = {"motor_db": -30, "sources": [{"name": "fan", "azimuth_deg": 10, "snr_db": 5}]}
+
+    def heard(ahead):
+        monkeypatch.setattr("ross_sim.sitl.world.AHEAD", ahead)
+        world = make(scenario(40, -80, rate=rate, noise=noise), Turntable(0.5, 0.63, 0.98))
+        return listen(world, 2)[0], world.images(), world.noise()
+
+    for one, other in zip(heard(1), heard(25), strict=True):
+        assert one.tobytes() == other.tobytes()
+
+
 @pytest.mark.parametrize("hop", [1, 77, 320, 5000])
 def test_bytes_do_not_depend_on_how_they_are_read(make, hop):
     reference, _ = listen(make(scenario(40, -80), Turntable(0.5, 0.2, 0.6)), 1)

@@ -131,8 +131,12 @@ class Microphones:
             turning = turning + fade * (self._stems.at(self._exact, first, last) - turning)
         return turning
 
+    def rest(self, begin: float, end: float) -> bool:
+        """Tell whether a quantum sounds as the one before does: `render` may then be asked for several at once."""
+        return self._exact is not None and max(abs(begin - self._exact), abs(end - self._exact)) < DRIFT
+
     def _settle(self, begin: float, end: float) -> float | None:
-        if self._exact is not None and max(abs(begin - self._exact), abs(end - self._exact)) < DRIFT:
+        if self.rest(begin, end):
             return self._exact
         still = self._exact is None and abs(end - begin) < STILL
         self._quanta_still = self._quanta_still + 1 if still else 0
@@ -196,6 +200,10 @@ class MotorNoise:
     rms: float  # at full strength, re full scale
     generator: np.random.Generator  # of the broadband part
     _strength: float = 0.0
+
+    def rests(self, begin: float, end: float) -> bool:
+        """Tell whether it is silent, and was."""
+        return self._strength == 0.0 and begin == end
 
     def between(self, begin: float, end: float, n: int) -> Samples | float:
         """Return ``n`` samples while the shaft turns from ``begin`` to ``end`` [rad], (n,); 0 at rest."""

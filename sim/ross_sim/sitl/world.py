@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import threading
 from collections import deque
@@ -26,6 +27,8 @@ from ross_sim.talkers.speech import TalkerVoice
 
 Counts = NDArray[np.int32]
 
+AHEAD = 25  # quanta that are rendered at once while nothing turns, from multiples of so many on
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rendered:
@@ -45,6 +48,19 @@ class Quantum:
     joints: tuple[float, float]  # angles of the plant there [rad]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Sounds:
+    """What is heard in a quantum or in some."""
+
+    images: Counts  # every talker alone, noise-free, (2, n_talkers, n)
+    noise: Counts  # (2, n)
+    heard: Samples  # what the converter puts out, (2, n)
+
+    def between(self, first: int, last: int) -> Sounds:
+        """The samples from ``first`` to before ``last``."""
+        return Sounds(self.images[..., first:last], self.noise[:, first:last], self.heard[:, first:last])
+
+
 class World:
     """A scene and a plant on one clock.
 
@@ -54,7 +70,8 @@ class World:
 
     Every part (one image per talker, the noise) is rounded to the 24-bit grid on its own, so that the parts add up to
     the mixture to the last bit unless it clips. Sensor noise is white, independent at each microphone, and drawn
-    quantum by quantum, so that it does not depend on how the audio is read.
+    quantum by quantum, so that it does not depend on how the audio is read. While nothing turns some quanta are
+    rendered at once; what was rendered too far ahead is forgotten.
 
     Parameters
     ----------
@@ -121,6 +138,8 @@ class World:
         self._rendered = 0  # of them
         self._waiting: deque[Quantum] = deque()  # to be rendered, where sound has a thread of its own
         self._sounded: deque[tuple[float, Samples]] = deque()  # to be heard, where it has none
+        self._drawn: deque[Samples] = deque()  # sensor noise of the quanta to come
+        self._ahead: deque[Sounds] = deque()  # of the same, if nothing turns
         self._troubles = _troubles(scenario, far_end)
         self._guard = threading.Lock()  # of what was rendered
         self._images: list[Counts] = []
@@ -204,27 +223,51 @@ class World:
         return self._angle + self._offset + self._turned
 
     def _render(self, quantum: Quantum) -> tuple[float, Samples]:
-        if self._microphones is None:
+        microphones = self._microphones
+        if microphones is None:
             raise AudioError("the simulated microphones are not open")
-        first = self._rendered * self.rate // round(1 / QUANTUM)
+        if not self._rests(microphones, quantum):
+            self._ahead = deque(self._sounds(microphones, quantum, 1))
+        elif not self._ahead:
+            self._ahead = deque(self._sounds(microphones, quantum, AHEAD - self._rendered % AHEAD))
+        sounds = self._ahead.popleft()
+        self._drawn.popleft()
         self._rendered += 1
-        last = self._rendered * self.rate // round(1 / QUANTUM)
-        images = _counts(self._microphones.render(first, last, *quantum.headings))
-        noise = self._noise_rms * self._sensor.standard_normal((2, last - first), dtype=np.float32)
+        with self._guard:
+            self._images.append(sounds.images)
+            self._noise.append(sounds.noise)
+            self._headings.append(quantum.headings[1])
+        return quantum.begin, sounds.heard
+
+    def _rests(self, microphones: Microphones, quantum: Quantum) -> bool:
+        """Whether nothing turns, and nothing did in the quantum before."""
+        room = all(heard.rest(*quantum.headings) for heard in (microphones, *self._around))
+        vehicle = all(heard.rest(*self._aboard_headings(quantum)) for heard in self._aboard)
+        return room and vehicle and self._motor.rests(*quantum.joints)
+
+    def _aboard_headings(self, quantum: Quantum) -> tuple[float, float]:
+        begin, end = quantum.joints
+        return begin + self._offset, end + self._offset
+
+    def _sounds(self, microphones: Microphones, quantum: Quantum, n_quanta: int) -> list[Sounds]:
+        """Sound of the next quantum, and of those after it if nothing turns."""
+        ends = [(self._rendered + index) * self.rate // round(1 / QUANTUM) for index in range(n_quanta + 1)]
+        first, last = ends[0], ends[-1]
+        images = _counts(microphones.render(first, last, *quantum.headings))
+        for low, high in itertools.pairwise(ends[len(self._drawn) :]):
+            self._drawn.append(self._sensor.standard_normal((2, high - low), dtype=np.float32))
+        noise = np.concatenate([self._drawn[index] for index in range(n_quanta)], axis=1)
+        noise *= np.float32(self._noise_rms)
         noise += self._motor.between(*quantum.joints, last - first)
-        aboard = (quantum.joints[0] + self._offset, quantum.joints[1] + self._offset)
         for beside in self._around:
             noise += beside.render(first, last, *quantum.headings).sum(axis=1)
         for beside in self._aboard:
-            noise += beside.render(first, last, *aboard).sum(axis=1)
+            noise += beside.render(first, last, *self._aboard_headings(quantum)).sum(axis=1)
         noise += self._beside.at_microphones(first, last)
         counts = _counts(noise)
-        with self._guard:
-            self._images.append(images)
-            self._noise.append(counts)
-            self._headings.append(quantum.headings[1])
-        heard = _samples(_converted(images.sum(axis=1, dtype=np.int32) + counts))
-        return quantum.begin, self._hardware.heard(heard)
+        heard = self._hardware.heard(_samples(_converted(images.sum(axis=1, dtype=np.int32) + counts)))
+        every = Sounds(images, counts, heard)
+        return [every.between(low - first, high - first) for low, high in itertools.pairwise(ends)]
 
 
 def _troubles(scenario: Scenario, far_end: FarEnd) -> deque[tuple[float, Fault, bool]]:
