@@ -13,11 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter, uniform_filter1d
 
+from ross_payload.dsp.stft import band
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
 
 TINY = 1e-30  # power that stands for silence when there is nothing else
 SILENCE = 1e-10  # and below this share of the loudest
+ALARMS = 3e-5  # mean weight of bins that hold nothing but noise, at most
+RAISED = np.linspace(1.0, 3.0, 21)  # noise PSDs that are tried, relative to the one measured
 LOW = 500.0  # lowest frequency used [Hz]: below it a phase error is a large ITD error
 
 
@@ -30,6 +33,9 @@ class Trust:
     decay: float = 0.060  # time in which the power of a room's tail is taken to fall to 1/e [s]
     quiet: float = 0.1  # quantile over time that stands for the noise when nobody measured it
     floor: float = 2.0  # power over the noise below which a bin has weight 0
+
+
+STRICT = Trust(coherence=0.995)  # for what tells how many sources there are
 
 
 def itd_per_bin(spectrogram: Complex, frequencies: Real) -> Real:
@@ -86,6 +92,41 @@ def weighted_itd(
     trust : Trust
         What counts as trustworthy.
     """
+    cross, power, clear = _clear(spectrogram, frequencies, frame_period, trust)
+    noise = lowest_psd(power, trust) if noise_psd is None else noise_psd[:, None]
+    return _itd(cross, frequencies), _energy(power, noise, trust) * clear
+
+
+def raised_psd(
+    quiet: Complex, frequencies: Real, frame_period: float, noise_psd: Real, limits: tuple[float, float]
+) -> Real:
+    """Noise PSD raised until bins of noise alone have hardly any weight, (n_freqs,).
+
+    Coherence keeps white noise out at any level. A fan has a direction: where it is a little louder than on average it
+    would pass for somebody who talks softly all the time. The rate of false alarms is kept constant, as in a radar
+    receiver (CFAR, Finn and Johnson 1968).
+
+    Parameters
+    ----------
+    quiet : (2, n_freqs, n_frames)
+        Nothing but noise.
+    frequencies : (n_freqs,)
+        [Hz].
+    frame_period : float
+        Time between frames [s].
+    noise_psd : (n_freqs,)
+        E|noise|^2 per bin.
+    limits : (2,)
+        Lowest and highest frequency that count [Hz].
+    """
+    used = band(frequencies, *limits)
+    _, power, clear = _clear(quiet[:, used], frequencies[used], frame_period, STRICT)
+    weights = [(_energy(power, by * noise_psd[used, None], STRICT) * clear).mean() for by in RAISED]
+    return np.asarray(noise_psd * RAISED[np.argmax(np.array([*weights[:-1], 0.0]) <= ALARMS)])
+
+
+def _clear(spectrogram: Complex, frequencies: Real, frame_period: float, trust: Trust) -> tuple[Complex, Real, Real]:
+    """Local cross-spectrum and power of every bin, and its weight but for the energy, (n_freqs, n_frames) each."""
     reference, other = spectrogram
     product = other * reference.conj()
     cross = _average(product.real, trust) + 1j * _average(product.imag, trust)
@@ -94,11 +135,12 @@ def weighted_itd(
     first, second = np.maximum(first, silence), np.maximum(second, silence)
     power = (first + second) / 2
     coherence = np.abs(cross) / np.sqrt(first * second)
-    noise = lowest_psd(power, trust) if noise_psd is None else noise_psd[:, None]
-    energy = np.maximum(1 - trust.floor * noise / power, 0)
     onset = np.maximum(1 - tail(power, np.exp(-frame_period / trust.decay)) / power, 0)
-    weight = energy * onset * (coherence > trust.coherence) * (frequencies / frequencies.max())[:, None]
-    return _itd(cross, frequencies), weight
+    return cross, power, onset * (coherence > trust.coherence) * (frequencies / frequencies.max())[:, None]
+
+
+def _energy(power: Real, noise: Real, trust: Trust) -> Real:
+    return np.asarray(np.maximum(1 - trust.floor * noise / power, 0))
 
 
 def period_of(frequencies: Real, period: float | None) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import gammaincinv
 
 from ross_payload.interfaces import Complex, Real
@@ -39,13 +40,18 @@ def quiet_psd(lead_in: Complex, later: Complex) -> Real | None:
     levels, loud = frame_levels(lead_in), frame_levels(later)
     if levels.size < FRAMES or not loud.size:
         return None
-    inner = levels[1:-1]  # the frames at the ends are partly empty
-    quiet = np.flatnonzero(np.abs(_decibel(inner) - np.quantile(_decibel(inner), 0.25)) <= SPREAD) + 1
+    quiet = quiet_frames(lead_in)
     if quiet.size < max(FRAMES, SHARE * levels.size):
         return None
     if np.quantile(loud, 0.9) < 10 ** (RISE / 10) * levels[quiet].mean() or not loud.max():
         return None
     return np.asarray((np.abs(lead_in[:, :, quiet]) ** 2).mean(axis=(0, 2)), float)
+
+
+def quiet_frames(lead_in: Complex) -> NDArray[np.intp]:
+    """Indices of the frames of (2, n_freqs, n_frames) that are within 3 dB of the lower quartile of the levels."""
+    inner = _decibel(frame_levels(lead_in)[1:-1])  # the frames at the ends are partly empty
+    return np.flatnonzero(np.abs(inner - np.quantile(inner, 0.25)) <= SPREAD) + 1
 
 
 def guessed_psd(spectrogram: Complex) -> Real:

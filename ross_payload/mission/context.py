@@ -9,7 +9,8 @@ from typing import TypeVar
 import numpy as np
 
 from ross_payload.dsp.ego_noise import EgoNoise, learnt
-from ross_payload.dsp.noise import quiet_psd
+from ross_payload.dsp.itd import band_limits, raised_psd
+from ross_payload.dsp.noise import quiet_frames, quiet_psd
 from ross_payload.dsp.rotor_tones import tones
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
@@ -93,6 +94,7 @@ class Context:
         default_factory=list
     )  # what the explorer knows of it; empty: not asked yet
     noise_psd: dict[int, Real | None] = field(default_factory=dict)  # by STFT frame
+    raised_psd: Real | None = None  # as the explorer is told it
     explored: list[Listening] = field(default_factory=list)  # of the latest exploration
     observations: list[Observation] = field(default_factory=list)  # what they tell the explorer
     beliefs: list[Estimate] = field(default_factory=list)  # one after each of them
@@ -170,6 +172,15 @@ class Context:
                 self.say_noise(quiet=found is not None)
             self.noise_psd[stft.frame] = found
         return self.noise_psd[stft.frame]
+
+    def explorer_psd(self, later: Complex) -> Real | None:
+        """The same for the explorer: raised where the noise has a direction, which would pass for a source."""
+        stft, settings = self.tools.explorer_stft, self.settings
+        psd = self.psd(stft, later)
+        if psd is not None and self.lead_in is not None and self.raised_psd is None:
+            heard, limits = stft.analyse(self.lead_in), band_limits(settings.spacing, settings.speed_of_sound)
+            self.raised_psd = raised_psd(heard[..., quiet_frames(heard)], stft.frequencies, stft.period, psd, limits)
+        return psd if psd is None else self.raised_psd
 
     def noise_field(self, stft: Stft, spectrogram: Complex, listening: Listening) -> Real | None:
         """Noise covariance of every bin of what was heard; None when the noise is white or unknown."""

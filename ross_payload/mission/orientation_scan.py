@@ -45,7 +45,7 @@ def observe(context: Context, listening: Listening) -> Observation:
     """Let the explorer condense what was heard at one heading."""
     stft = context.tools.explorer_stft
     spectrogram = stft.analyse(listening.samples)
-    noise_psd, known = context.psd(stft, spectrogram), context.noise_of_explorer()
+    noise_psd, known = context.explorer_psd(spectrogram), context.noise_of_explorer()
     if known is not None and context.tools.in_noise is not None:
         seen = context.tools.in_noise.observe(
             spectrogram,
@@ -66,7 +66,7 @@ def observe(context: Context, listening: Listening) -> Observation:
 def observe_turned(context: Context, explorer: TurningExplorer, turned: Turned) -> Observation:
     """Let the explorer condense what was heard while the array turned."""
     stft = context.tools.explorer_stft
-    noise_psd, known = context.psd(stft, turned.frames(stft)), context.noise_of_explorer()
+    noise_psd, known = context.explorer_psd(turned.frames(stft)), context.noise_of_explorer()
     in_noise = context.tools.in_noise
     if known is None or in_noise is None:
         return at_height(context, turning.observe(explorer, stft, turned, noise_psd))

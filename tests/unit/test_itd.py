@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ross_payload.dsp.itd import Trust, band_limits, itd_per_bin, tail, weighted_itd
+from ross_payload.dsp.itd import ALARMS, STRICT, Trust, band_limits, itd_per_bin, raised_psd, tail, weighted_itd
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Complex, Real
 from ross_payload.localization import joint, markov_explorer
@@ -99,3 +99,34 @@ def test_explorers_trust_a_steady_wave_by_what_decays_between_frames(
     band = frequencies[(frequencies >= low) & (frequencies <= high)]
     onsets = 1 + (n_frames - 1) * (1 - np.exp(-hop / RATE / Trust().decay))
     assert seen.weight == pytest.approx(onsets * band.sum() / band.max(), rel=0.02)
+
+
+def fan(sensors: float, seed: int) -> Complex:
+    """Two seconds of a fan that microphone 2 hears two samples before microphone 1, and white noise of each."""
+    rng = np.random.default_rng(seed)
+    heard, noise = rng.standard_normal(2 * RATE), sensors * rng.standard_normal((2, 2 * RATE))
+    return STFT.analyse(np.stack([np.roll(heard, 2), heard]) + noise)[..., 4:-4]
+
+
+def false_alarms(spectrogram: Complex, psd: Real) -> float:
+    """Mean weight of the bins."""
+    used = slice(16, 110)
+    _, weight = weighted_itd(spectrogram[:, used], STFT.frequencies[used], PERIOD, psd[used], STRICT)
+    return float(weight.mean())
+
+
+def test_above_the_raised_psd_a_fan_passes_for_nobody() -> None:
+    quiet, later = fan(0.05, 3), fan(0.05, 4)
+    psd = (np.abs(quiet) ** 2).mean(axis=(0, 2))
+    raised = raised_psd(quiet, STFT.frequencies, PERIOD, psd, (500.0, 3430.0))
+    assert false_alarms(later, psd) > 20 * ALARMS
+    assert false_alarms(later, raised) < 3 * ALARMS
+    np.testing.assert_allclose(raised / psd, (raised / psd).max())
+    assert 1.5 < (raised / psd).max() <= 3
+
+
+def test_the_psd_of_white_noise_is_not_raised() -> None:
+    rng = np.random.default_rng(5)
+    quiet = STFT.analyse(rng.standard_normal((2, 2 * RATE)))[..., 4:-4]
+    psd = (np.abs(quiet) ** 2).mean(axis=(0, 2))
+    np.testing.assert_array_equal(raised_psd(quiet, STFT.frequencies, PERIOD, psd, (500.0, 3430.0)), psd)
