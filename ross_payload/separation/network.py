@@ -21,6 +21,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 
 ROWS, COLUMNS = 4, 2  # bins and frames of a patch
+PAIR = np.complex64  # as large as the frames of a patch in one bin
 PLACES = 3  # numbers that say where in the spectrum a patch is
 LIMIT = 8.0  # bound of what comes out
 AT_ONCE = 3000  # patches of all groups worked on together: what they need stays in the cache
@@ -155,19 +156,20 @@ def _filled(values: Real) -> Real:
 
 
 def _patched(shown: Sequence[Real], where: Real) -> Real:
-    """What is known of every patch, (n_groups, n_columns, n_rows, n)."""
-    size, (n_freqs, n_groups, n_frames) = ROWS * COLUMNS, _shape(shown)
+    """What is known of every patch, (n_groups, n_columns, n_rows, n); its frames are moved as one number."""
+    (n_freqs, n_groups, n_frames), n = _shape(shown), ROWS * COLUMNS * len(shown) + PLACES
     n_columns, n_rows = -(-n_frames // COLUMNS), where.shape[1]
-    patches = np.empty((n_groups, n_columns, n_rows, len(shown) * size + PLACES), np.float32)
-    patches[..., -PLACES:] = where.T
+    patches = np.empty((n_groups, n_columns, n_rows, n + n % COLUMNS), np.float32)
+    patches[..., n - PLACES : n] = where.T
+    pairs = patches.view(PAIR)
     for columns in _some_columns(patches):
         frames = slice(COLUMNS * columns.start, COLUMNS * columns.stop)
         for index, feature in enumerate(shown):
             part = _filled(np.broadcast_to(feature, (n_freqs, feature.shape[1], n_frames))[..., frames])
-            split = part.reshape(n_rows, ROWS, -1, columns.stop - columns.start, COLUMNS).transpose(2, 3, 0, 1, 4)
-            here = patches[:, columns, :, size * index : size * (index + 1)]
-            here.reshape(n_groups, *split.shape[1:])[...] = split
-    return patches
+            both = np.ascontiguousarray(part, np.float32).view(PAIR)
+            split = both.reshape(n_rows, ROWS, feature.shape[1], -1).transpose(2, 3, 0, 1)
+            pairs[:, columns, :, ROWS * index : ROWS * (index + 1)] = split
+    return patches[..., :n]
 
 
 def _some_columns(patches: Real) -> Iterator[slice]:

@@ -110,7 +110,7 @@ def _described(observed: Real, groups: _Groups, own: Real, others: Real, *, tota
         SCALE * misfit,
         SCALE * _margin(likelihood),
         _log(own**2 * update * mixed / inner),
-        SCALE * np.clip(np.log(update + np.exp(-FAR)), -FAR, FAR),
+        SCALE * np.clip(np.log(update + np.float32(np.exp(-FAR))), -FAR, FAR),
         SCALE * near_misfit,
         SCALE * np.log(np.maximum(incoherence, 0) + MISFIT),
     )
