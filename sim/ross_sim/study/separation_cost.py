@@ -35,7 +35,7 @@ from ross_sim.talkers.speech import load_folder
 AXES = (2, 1, 0)  # pyroomacoustics: (n_frames, n_freqs, n_channels)
 SEED = 0  # of the random starts
 BASES = 2  # of ILRMA and FastMNMF per source, in both libraries
-OURS = ("duet", "mvdr", "lcmv", "auxiva", "iva", "gaussian")
+OURS = ("duet", "mvdr", "lcmv", "auxiva", "iva", "gaussian", "refined")
 BLIND = f"auxiva, blind, {auxiva.ITERATIONS} iterations"
 ITERATIONS = (auxiva.ITERATIONS, 40, 50)  # of AuxIVA, ILRMA and FastMNMF, in every library
 ROOMS, TARGETS = ("S1", "S2"), (0, 1)  # of the mixtures on which methods are compared
