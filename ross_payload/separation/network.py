@@ -159,7 +159,7 @@ def _patched(shown: Sequence[Real], where: Real) -> Real:
     """What is known of every patch, (n_groups, n_columns, n_rows, n); its frames are moved as one number."""
     (n_freqs, n_groups, n_frames), n = _shape(shown), ROWS * COLUMNS * len(shown) + PLACES
     n_columns, n_rows = -(-n_frames // COLUMNS), where.shape[1]
-    patches = np.empty((n_groups, n_columns, n_rows, n + n % COLUMNS), np.float32)
+    patches = np.empty((n_groups, n_columns, n_rows, n + -n % COLUMNS), np.float32)
     patches[..., n - PLACES : n] = where.T
     pairs = patches.view(PAIR)
     for columns in _some_columns(patches):

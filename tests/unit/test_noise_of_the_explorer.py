@@ -7,7 +7,9 @@ import pytest
 
 from mission_bench import RATE, SETTINGS, Likes, OneGroupEach, Rig, ThreeTalkers
 from ross_payload.dsp.stft import Stft
+from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.mission.context import Context, Listening, hop
+from ross_payload.mission.identify_target import separate
 from ross_payload.mission.orientation_scan import observe
 from ross_payload.mission.settings import Tools
 
@@ -25,10 +27,21 @@ class Told(ThreeTalkers):
         return super().observe(spectrogram, frequencies, heading, noise_psd, frame_period=frame_period)
 
 
+@dataclass
+class ToldApart(OneGroupEach):
+    """A separator that remembers them, too."""
+
+    psds: list = field(default_factory=list)
+
+    def batch(self, spectrogram, scene):
+        self.psds.append(scene.noise_psd)
+        return super().batch(spectrogram, scene)
+
+
 def told(noise):
-    """Noise PSDs that the explorer is told at two headings, and that which was measured, after a lead-in of noise."""
-    explorer = Told()
-    context = Context(SETTINGS, Tools(explorer, STFT, OneGroupEach(), STFT, Likes(1)))
+    """Noise PSDs that the explorer is told at two headings, and the separator, after a lead-in of noise."""
+    explorer, separator = Told(), ToldApart()
+    context = Context(SETTINGS, Tools(explorer, STFT, separator, STFT, Likes(1)))
     speech = 30 * np.random.default_rng(2).standard_normal((2, RATE)).astype(np.float32)
 
     def brain():
@@ -36,9 +49,10 @@ def told(noise):
         context.lead_in = noise.astype(np.float32)
         for heading in (0.0, 0.5):
             observe(context, Listening(heading, speech))
+        separate(context, Estimate((SourceEstimate(0.0, 0.01, 0.9, resolved=True),)), Listening(0.5, speech))
 
     Rig(brain()).run()
-    return explorer.psds, context.psd(STFT, STFT.analyse(speech))
+    return explorer.psds, *separator.psds
 
 
 @pytest.mark.parametrize(("sensors", "raised"), [(0.05, True), (1e3, False)])

@@ -131,12 +131,12 @@ class Microphones:
             turning = turning + fade * (self._stems.at(self._exact, first, last) - turning)
         return turning
 
-    def rest(self, begin: float, end: float) -> bool:
+    def rests(self, begin: float, end: float) -> bool:
         """Tell whether a quantum sounds as the one before does: `render` may then be asked for several at once."""
         return self._exact is not None and max(abs(begin - self._exact), abs(end - self._exact)) < DRIFT
 
     def _settle(self, begin: float, end: float) -> float | None:
-        if self.rest(begin, end):
+        if self.rests(begin, end):
             return self._exact
         still = self._exact is None and abs(end - begin) < STILL
         self._quanta_still = self._quanta_still + 1 if still else 0

@@ -241,8 +241,8 @@ class World:
 
     def _rests(self, microphones: Microphones, quantum: Quantum) -> bool:
         """Whether nothing turns, and nothing did in the quantum before."""
-        room = all(heard.rest(*quantum.headings) for heard in (microphones, *self._around))
-        vehicle = all(heard.rest(*self._aboard_headings(quantum)) for heard in self._aboard)
+        room = all(heard.rests(*quantum.headings) for heard in (microphones, *self._around))
+        vehicle = all(heard.rests(*self._aboard_headings(quantum)) for heard in self._aboard)
         return room and vehicle and self._motor.rests(*quantum.joints)
 
     def _aboard_headings(self, quantum: Quantum) -> tuple[float, float]:
