@@ -34,10 +34,11 @@ class Turntable:
         return []
 
 
-def scenario(*azimuths_deg, rate=RATE, noise=None, room=None, offset_deg=0.0, **changes):
+def scenario(*azimuths_deg, rate=RATE, noise=None, room=None, offset_deg=0.0, vehicle=None, **changes):
     talkers = [{"azimuth_deg": azimuth, "start_s": 0.5} | changes for azimuth in azimuths_deg]
     payload = {"audio": {"rate_hz": rate}, "array": {"offset_deg": offset_deg}}
     values = {"title": "test", "talkers": talkers, "noise": noise or {}, "room": room or {}, "payload": payload}
+    values |= {} if vehicle is None else {"vehicle": vehicle}
     return validated(Scenario, values, "test")
 
 
@@ -96,13 +97,21 @@ def test_samples_lie_on_the_24_bit_grid(make):
     assert np.array_equal(counts, np.rint(counts))
 
 
-@pytest.mark.parametrize("rate", [RATE, 22050])
-def test_quanta_that_are_rendered_at_once_sound_as_if_each_were_alone(make, monkeypatch, rate):
+@pytest.mark.parametrize(
+    ("rate", "vehicle"),
+    [
+        (RATE, None),
+        (22050, None),
+        (RATE, {"steady_deg_s": math.degrees(0.5)}),
+    ],  # under a turntable that makes up for it
+)
+def test_quanta_that_are_rendered_at_once_sound_as_if_each_were_alone(make, monkeypatch, rate, vehicle):
     noise = {"motor_db": -30, "sources": [{"name": "fan", "azimuth_deg": 10, "snr_db": 5}]}
 
     def heard(ahead):
         monkeypatch.setattr("ross_sim.sitl.world.AHEAD", ahead)
-        world = make(scenario(40, -80, rate=rate, noise=noise), Turntable(0.5, 0.63, 0.98))
+        turntable = Turntable(0.5, 0.63, 0.98) if vehicle is None else Turntable(0.5, 0.0, 0.98)
+        world = make(scenario(40, -80, rate=rate, noise=noise, vehicle=vehicle), turntable)
         return listen(world, 2)[0], world.images(), world.noise()
 
     for one, other in zip(heard(1), heard(25), strict=True):
