@@ -70,17 +70,18 @@ class Network:
             [Hz], evenly spaced, (n_freqs,).
         """
         n_freqs, _, n_frames = _shape(shown)
-        patches = _patched(shown, places(frequencies))
-        hidden, height = self._entered(patches), patches.shape[2] + EDGE
-        inner = np.zeros_like(hidden)
+        hidden, seen = self._entered(shown, places(frequencies))
+        height = seen.shape[2] + EDGE
+        inner = np.empty_like(hidden)
+        inner[:, :EDGE] = 0
         for block in self.blocks:
-            for strip in _strips(patches):
+            for strip in _strips(seen):
                 _fill_inner(block, hidden, inner, strip, height)
-            for strip in _strips(patches):
+            for strip in _strips(seen):
                 _add_taps(hidden, block.along_time, inner, block.step * height, strip)
                 hidden[:, strip] += block.bias_after[:, 0]
             _columns(hidden[:, EDGE:], height)[:, :, -EDGE:] = 0
-        return self._left(hidden, patches)[:, :n_freqs, :n_frames]
+        return self._left(hidden, seen)[:, :n_freqs, :n_frames]
 
     def advance(self, shown: Sequence[Real], frequencies: Real, past: Past) -> tuple[Real, Past]:
         """Log PSD corrections of the two newest frames, (n_groups, n_freqs, 2), and what the next call needs.
@@ -95,8 +96,8 @@ class Network:
             What the last call returned; () at the beginning.
         """
         n_freqs = len(frequencies)
-        patches = _patched(shown, places(frequencies))
-        hidden, height = self._entered(patches), patches.shape[2] + EDGE
+        hidden, seen = self._entered(shown, places(frequencies))
+        height = seen.shape[2] + EDGE
         inner, column, kept = np.zeros_like(hidden), slice(EDGE, EDGE + height), []
         for index, block in enumerate(self.blocks):
             _fill_inner(block, hidden, inner, column, height)
@@ -107,31 +108,41 @@ class Network:
             if len(queue) == COLUMNS * block.step:
                 hidden[:, column] += queue[0]
             hidden[:, -EDGE:] = 0
-        return self._left(hidden, patches)[:, :n_freqs], tuple(kept)
+        return self._left(hidden, seen)[:, :n_freqs], tuple(kept)
 
-    def _entered(self, patches: Real) -> Real:
-        """Vectors of the patches, column by column, `EDGE` zeros before and after each, (n_groups, n, C)."""
-        n_groups, n_columns, n_rows, _ = patches.shape
-        hidden = np.zeros((n_groups, EDGE + n_columns * (n_rows + EDGE), len(self.enter)), np.float32)
-        inside = _columns(hidden[:, EDGE:], n_rows + EDGE)[:, :, :n_rows]
-        for columns in _some_columns(patches):
-            here = patches[:, columns] @ self.enter.T
-            here += self.enter_bias[:, 0]
-            np.maximum(here, 0, out=inside[:, columns])
-        return hidden
+    def _entered(self, shown: Sequence[Real], where: Real) -> tuple[Real, Real]:
+        """Vectors of the patches, and what the last layer sees of them.
 
-    def _left(self, hidden: Real, patches: Real) -> Real:
+        The first column by column, `EDGE` zeros before and after each, (n_groups, n, C); the second
+        (n_groups, n_columns, n_rows, H + ROWS COLUMNS).
+        """
+        (_, n_groups, n_frames), n_rows = _shape(shown), where.shape[1]
+        n_columns, height = -(-n_frames // COLUMNS), n_rows + EDGE
+        into = np.hstack([self.enter, self.enter_bias]).T
+        past = np.vstack([np.hstack([self.recall, self.gather_bias]), np.hstack([self.skip, self.leave_bias])]).T
+        hidden = np.empty((n_groups, EDGE + n_columns * height, len(self.enter)), np.float32)
+        hidden[:, :EDGE] = 0
+        inside = _columns(hidden[:, EDGE:], height)
+        inside[:, :, n_rows:] = 0
+        seen = np.empty((n_groups, n_columns, n_rows, past.shape[1]), np.float32)
+        for columns in _some_columns(seen):
+            patches = _patched(shown, where, columns)
+            np.maximum(patches @ into, 0, out=inside[:, columns, :n_rows])
+            np.matmul(patches, past, out=seen[:, columns])
+        return hidden, seen
+
+    def _left(self, hidden: Real, seen: Real) -> Real:
         """The output of every bin, whole patches, (n_groups, n_freqs, n_frames)."""
-        n_groups, n_columns, n_rows, _ = patches.shape
+        n_groups, n_columns, n_rows, _ = seen.shape
         inside = _columns(hidden[:, EDGE:], n_rows + EDGE)[:, :, :n_rows]
         out = np.empty((n_groups, n_rows, ROWS, n_columns, COLUMNS), np.float32)
-        for columns in _some_columns(patches):
-            seen = patches[:, columns]
+        for columns in _some_columns(seen):
+            recalled, skipped = np.split(seen[:, columns], [len(self.recall)], axis=3)
             last = inside[:, columns] @ self.gather.T
-            last += seen @ self.recall.T
-            last += self.gather_bias[:, 0]
+            last += recalled
             np.maximum(last, 0, out=last)
-            made = last @ self.leave.T + seen @ self.skip.T + self.leave_bias[:, 0]
+            made = last @ self.leave.T
+            made += skipped
             out[:, :, :, columns] = made.reshape(*made.shape[:3], ROWS, COLUMNS).transpose(0, 2, 3, 1, 4)
         return np.asarray(LIMIT * np.tanh(out.reshape(n_groups, n_rows * ROWS, n_columns * COLUMNS) / LIMIT))
 
@@ -155,35 +166,36 @@ def _filled(values: Real) -> Real:
     return np.pad(values, [(0, rows), (0, 0), (0, columns)], mode="edge") if rows or columns else values
 
 
-def _patched(shown: Sequence[Real], where: Real) -> Real:
-    """What is known of every patch, (n_groups, n_columns, n_rows, n); its frames are moved as one number."""
-    (n_freqs, n_groups, n_frames), n = _shape(shown), ROWS * COLUMNS * len(shown) + PLACES
-    n_columns, n_rows = -(-n_frames // COLUMNS), where.shape[1]
-    patches = np.empty((n_groups, n_columns, n_rows, n + -n % COLUMNS), np.float32)
-    patches[..., n - PLACES : n] = where.T
-    pairs = patches.view(PAIR)
-    for columns in _some_columns(patches):
-        frames = slice(COLUMNS * columns.start, COLUMNS * columns.stop)
-        for index, feature in enumerate(shown):
-            part = _filled(np.broadcast_to(feature, (n_freqs, feature.shape[1], n_frames))[..., frames])
-            both = np.ascontiguousarray(part, np.float32).view(PAIR)
-            split = both.reshape(n_rows, ROWS, feature.shape[1], -1).transpose(2, 3, 0, 1)
-            pairs[:, columns, :, ROWS * index : ROWS * (index + 1)] = split
-    return patches[..., :n]
+def _patched(shown: Sequence[Real], where: Real, columns: slice) -> Real:
+    """What is known of some columns of patches, and 1, which the biases are multiplied by.
+
+    (n_groups, n_columns, n_rows, n + 1). The frames of a patch are moved as one number.
+    """
+    (n_freqs, n_groups, n_frames), n_known = _shape(shown), ROWS * COLUMNS * len(shown)
+    patches = np.empty((n_groups, columns.stop - columns.start, where.shape[1], n_known + PLACES + 1), np.float32)
+    patches[..., n_known:-1] = where.T
+    patches[..., -1] = 1
+    pairs, frames = patches.view(PAIR), slice(COLUMNS * columns.start, COLUMNS * columns.stop)
+    for index, feature in enumerate(shown):
+        part = _filled(np.broadcast_to(feature, (n_freqs, feature.shape[1], n_frames))[..., frames])
+        both = np.ascontiguousarray(part, np.float32).view(PAIR)
+        split = both.reshape(-1, ROWS, *both.shape[1:]).transpose(2, 3, 0, 1)
+        pairs[..., ROWS * index : ROWS * (index + 1)] = split
+    return patches
 
 
-def _some_columns(patches: Real) -> Iterator[slice]:
+def _some_columns(seen: Real) -> Iterator[slice]:
     """Columns that are worked on together: what they need stays in the cache."""
-    n_groups, n_columns, n_rows, _ = patches.shape
+    n_groups, n_columns, n_rows, _ = seen.shape
     width = max(AT_ONCE // (n_groups * n_rows), 1)
     for low in range(0, n_columns, width):
         yield slice(low, min(low + width, n_columns))
 
 
-def _strips(patches: Real) -> Iterator[slice]:
+def _strips(seen: Real) -> Iterator[slice]:
     """Where such columns are among the vectors, with the zeros after each."""
-    height = patches.shape[2] + EDGE
-    for columns in _some_columns(patches):
+    height = seen.shape[2] + EDGE
+    for columns in _some_columns(seen):
         yield slice(EDGE + columns.start * height, EDGE + columns.stop * height)
 
 
@@ -196,8 +208,8 @@ def _fill_inner(block: Block, hidden: Real, inner: Real, strip: slice, height: i
     """Write what a block makes of some columns, each alone."""
     weights, (n_groups, _, n_channels) = block.along_frequency, hidden.shape
     columns = _columns(hidden[:, strip], height)
-    mean = columns.sum(axis=2) / np.float32(height - EDGE)
-    frame = (mean @ block.frame.T + block.bias[:, 0])[:, :, None]
+    mean = np.full((1, height), 1 / (height - EDGE), np.float32) @ columns  # in BLAS: many short sums are slow
+    frame = mean @ block.frame.T + block.bias[:, 0]
     made = _columns(inner[:, strip], height)
     if n_groups > 1:  # the mean of the others is that of all less the own: the product with all serves every group
         others = block.others / np.float32(n_groups - 1)
