@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ross_payload.errors import AudioError
@@ -13,6 +15,7 @@ from ross_payload.mission.heading_hold import attend, face_alignment
 from ross_payload.mission.identify_target import separate
 from ross_payload.orders import Enrol
 from ross_payload.voiceprint import enrol
+from ross_payload.voiceprint.dominance import dominant
 
 MOST_PERIODS = 3  # people pause: so often as long as was ordered is listened
 
@@ -24,8 +27,8 @@ class NotEnrolled(Exception):
 def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol) -> Step[Result]:
     """Listen to one source of an estimate, whose talker agrees to it, and enrol what is heard.
 
-    The voice print is the one of `ross_payload.voiceprint.enrol`, made from the separated voice. Where there is too
-    little speech in it the array goes on listening, three periods at most.
+    The voice print is the one of `ross_payload.voiceprint.enrol`, made from the separated voice, or the parts in which
+    it dominates. Where there is too little speech in it the array goes on listening, three periods at most.
 
     Raises
     ------
@@ -43,7 +46,7 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
     for _ in range(MOST_PERIODS):
         heard = yield from attend(context, seconds)
         groups, voices = separate(context, estimate, heard)
-        voice = np.concatenate([voice, _alone(source, groups, voices)])
+        voice = np.concatenate([voice, _alone(source, groups, dominant(voices, groups.quality, context.settings.rate))])
         try:
             model = enrol(voice, context.settings.rate, context.tools.voice_model, separated=True)
         except AudioError as error:
@@ -56,8 +59,8 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
     raise NotEnrolled(f"{order.name}: {why}")
 
 
-def _alone(source: int, groups: Groups, voices: Real) -> Real:
-    """Return the voice of the group that is this source alone, (n_samples,).
+def _alone(source: int, groups: Groups, voices: Sequence[Real]) -> Real:
+    """Return the voice of the group that is this source alone, (n_kept,).
 
     Raises
     ------
@@ -66,5 +69,5 @@ def _alone(source: int, groups: Groups, voices: Real) -> Real:
     """
     for group, members in enumerate(groups.members):
         if members == (source,):
-            return np.asarray(voices[group])
+            return voices[group]
     raise NotEnrolled(f"source {source} cannot be told from the others at any heading within the limits")

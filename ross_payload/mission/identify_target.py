@@ -14,10 +14,12 @@ from ross_payload.events import Estimate, GroupScore
 from ross_payload.interfaces import Groups, Real, Scene
 from ross_payload.mission.context import Context, Listening
 from ross_payload.mission.voice_evidence import Evidence, lone_voices
+from ross_payload.voiceprint.dominance import dominant
 
 APART = 0.5  # a heading tells of a source when it isolates it by this share of the best one
 WELL = 0.6  # and need not be joined by another one at first when it does by this share
 CERTAIN = 4.0  # over the criterion: who sounds so much like the target is not checked, nobody else recalled [nat]
+LONG_ENOUGH = 0.5  # of T_unit in which a voice must dominate for that
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +102,7 @@ def judged(
     groups, voices = separated
     if evidence is not None:
         clear = set(np.flatnonzero(_clear(context, estimate, heading)).tolist())
-        heard = lone_voices(groups, voices)
+        heard = lone_voices(groups, voices, context.settings.rate)
         for source in clear & set(heard):
             evidence.hear(source, heard[source])
     return scored(context, groups, voices, evidence)
@@ -109,7 +111,8 @@ def judged(
 def scored(context: Context, groups: Groups, voices: Real, evidence: Evidence | None = None) -> Identification:
     """Compare every group with the target's voice print; a group of one source may have its score in ``evidence``."""
     scores = []
-    for group, (members, voice) in enumerate(zip(groups.members, voices, strict=True)):
+    compared = dominant(voices, groups.quality, context.settings.rate)
+    for group, (members, voice) in enumerate(zip(groups.members, compared, strict=True)):
         value = evidence.scores.get(members[0]) if evidence is not None and len(members) == 1 else None
         scores.append(_scored(context, groups, group, _nothing_heard(context).alone(voice) if value is None else value))
     return Identification(groups, voices, tuple(scores))
@@ -147,7 +150,7 @@ def recall(context: Context, estimate: Estimate, known: Evidence | None = None) 
 def beyond_doubt(context: Context, evidence: Evidence, source: int) -> bool:
     """Whether a source that was heard for T_unit sounds like the target as few others do."""
     sure = evidence.scores.get(source, -np.inf) >= context.settings.criterion + CERTAIN
-    return evidence.target is not None and sure and evidence.seconds(source) >= 0.99 * context.settings.unit
+    return evidence.target is not None and sure and evidence.seconds(source) >= LONG_ENOUGH * context.settings.unit
 
 
 def recall_more(context: Context, estimate: Estimate, evidence: Evidence, source: int) -> None:
@@ -172,7 +175,8 @@ def _hear_recalled(
     for i in new:
         if i not in evidence.recalled:
             groups, voices = separate_piece(context, estimate, context.explored[i])
-            evidence.recalled[i], evidence.method = lone_voices(groups, voices), groups.method
+            evidence.recalled[i] = lone_voices(groups, voices, context.settings.rate)
+            evidence.method = groups.method
     evidence.hear(source, *(evidence.recalled[i][source] for i in new if source in evidence.recalled[i]))
 
 

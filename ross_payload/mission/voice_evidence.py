@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ross_payload.interfaces import Groups, Real, VoicePrint
+from ross_payload.voiceprint.dominance import dominant
 
 MOST = 40.0  # of every source that are compared, the latest [s]
 
@@ -32,6 +33,7 @@ class Evidence:
 
     def hear(self, source: int, *clips: Real) -> float:
         """Add clips (n_samples,) of a source, none or more; return the score of all that was heard of it."""
+        clips = tuple(clip for clip in clips if clip.size)
         if not clips:
             return self.scores.get(source, 0.0)
         self.clips[source] = kept = [*self.clips.get(source, []), *clips]
@@ -41,7 +43,7 @@ class Evidence:
 
     def alone(self, voice: Real) -> float:
         """Score a voice (n_samples,) by itself, whoever it is; 0, undecided, when nobody is sought."""
-        return 0.0 if self.target is None else self.target.score(voice, self.rate).value
+        return 0.0 if self.target is None or not voice.size else self.target.score(voice, self.rate).value
 
     def renamed(self, names: Mapping[int, int]) -> Evidence:
         """Return the same of the sources that have a name in another estimate, {here: there}."""
@@ -65,13 +67,13 @@ def latest(clips: Sequence[Real], most: int) -> list[Real]:
     return kept
 
 
-def lone_voices(groups: Groups, voices: Real) -> dict[int, Real]:
-    """Return the voices (n_samples,) of groups of one source, by source.
+def lone_voices(groups: Groups, voices: Real, rate: int) -> dict[int, Real]:
+    """Return what is compared of the voices (n_groups, n_samples) at ``rate`` [Hz] of groups of one source, by source.
 
     >>> import numpy as np
     >>> groups = Groups(np.zeros((2, 1, 0), complex), ((0, 2), (1,)), "made up")
-    >>> list(lone_voices(groups, np.zeros((2, 5))))
+    >>> list(lone_voices(groups, np.zeros((2, 5)), 16000))
     [1]
     """
-    pairs = zip(groups.members, voices, strict=True)
+    pairs = zip(groups.members, dominant(voices, groups.quality, rate), strict=True)
     return {members[0]: voice for members, voice in pairs if len(members) == 1}

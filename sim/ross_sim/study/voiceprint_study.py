@@ -26,6 +26,7 @@ from ross_payload.interfaces import Real
 from ross_payload.separation.auto_separator import separator
 from ross_payload.voiceprint import EmbeddingPrint, VoiceModel, enrol, model_folder
 from ross_payload.voiceprint.built_in import read_model
+from ross_payload.voiceprint.dominance import dominant
 from ross_payload.voiceprint.features import RATE as VOICE_RATE
 from ross_payload.voiceprint.features import at_rate
 from ross_sim.study.mixtures import FRAME, HOP, RATE, excerpt, layouts, record, scene_of
@@ -203,7 +204,7 @@ def separated_at(
     stft = Stft(RATE, FRAME, HOP)
     groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=True))
     index = next(i for i, members in enumerate(groups.members) if target in members)
-    return stft.synthesise(groups.signals[index], recording.mixture.shape[1])
+    return dominant(stft.synthesise(groups.signals, recording.mixture.shape[1]), groups.quality, RATE)[index]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

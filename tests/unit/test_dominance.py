@@ -1,0 +1,119 @@
+"""Of a voice that holds much of the others the parts are compared in which it dominates, of a clean one everything."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from ross_payload.interfaces import Groups, Quality
+from ross_payload.mission.voice_evidence import Evidence, lone_voices
+from ross_payload.voiceprint import enrol
+from ross_payload.voiceprint.dominance import GOOD, POOR, SOFT, dominant
+from ross_sim.talkers.synthetic_voices import synthetic_voices
+
+RATE = 16000  # [Hz]
+LEAK = 10 ** (-15 / 20)  # of the others in a separated voice
+SECONDS = 10
+
+
+def separated(levels_db: list[float], seed: int = 0) -> tuple[list, np.ndarray]:
+    """Three voices, and what a separator that is right to within `LEAK` gives of them, (3, n), float32."""
+    voices, rng = list(synthetic_voices(RATE))[:3], np.random.default_rng(seed)
+    n = SECONDS * RATE
+    clips = []
+    for voice, level in zip(voices, levels_db, strict=True):
+        start = int(rng.integers(len(voice.speech) - n)) if len(voice.speech) > n else 0
+        clip = np.resize(voice.speech[start:], n)
+        clips.append(10 ** (level / 20) * clip / np.sqrt(np.mean(clip**2)))
+    clean = np.stack(clips)
+    return voices, (clean + LEAK * (clean.sum(axis=0) - clean)).astype(np.float32)
+
+
+def noise(*levels: float, n: int = RATE) -> np.ndarray:
+    return np.array(levels)[:, None] * np.random.default_rng(0).standard_normal((len(levels), n))
+
+
+def believed(*si_sdr: float) -> tuple[Quality, ...]:
+    return tuple(Quality(value, 8.0) for value in si_sdr)
+
+
+def test_voices_that_are_separated_well_are_compared_as_they_are() -> None:
+    voices = noise(1, 0.1, 1)
+    for voice, kept in zip(voices, dominant(voices, believed(15, GOOD, 9), RATE), strict=True):
+        np.testing.assert_array_equal(kept, voice)
+
+
+def test_where_the_separator_does_not_say_voices_are_compared_as_they_are() -> None:
+    voices = noise(1, 0.1)
+    for voice, kept in zip(voices, dominant(voices, (), RATE), strict=True):
+        np.testing.assert_array_equal(kept, voice)
+
+
+def test_a_lone_voice_is_kept() -> None:
+    voices = noise(1e-3)
+    np.testing.assert_array_equal(dominant(voices, believed(-5), RATE)[0], voices[0])
+
+
+def test_a_poor_voice_that_is_as_loud_as_the_others_is_kept_whole() -> None:
+    voices = np.stack([noise(1)[0], -noise(1)[0], 0.9 * noise(1)[0]])
+    kept = dominant(voices, believed(-1, -1, 12), RATE)
+    for voice, whole in zip(kept, voices, strict=True):
+        np.testing.assert_array_equal(voice, whole)
+
+
+def test_a_good_voice_beside_a_poor_one_is_kept_whole() -> None:
+    voices = noise(1, 0.3)
+    np.testing.assert_array_equal(dominant(voices, believed(12, -1), RATE)[0], voices[0])
+
+
+def test_of_a_poor_voice_the_pauses_of_the_others_are_left() -> None:
+    loud, soft = noise(1, 0.1, n=2 * RATE)
+    loud[RATE:] = 0
+    kept = dominant(np.stack([loud, soft]), believed(15, POOR), RATE)[1]
+    assert 0.9 * RATE < len(kept) <= RATE
+    np.testing.assert_allclose(kept[-RATE // 2 :], soft[-RATE // 2 :], rtol=1e-6)
+
+
+def test_of_a_poor_voice_that_never_dominates_nothing_is_left() -> None:
+    assert [len(kept) for kept in dominant(noise(1, 0.1), believed(15, -3), RATE)] == [RATE, 0]
+
+
+@pytest.mark.parametrize("what", ["expected SI-SDR", "level"])
+def test_between_all_and_nothing_there_is_no_step(what) -> None:
+    gains = []
+    for part in np.linspace(0, 1, 81):
+        level = 10 ** (-SOFT * (part if what == "level" else 1) / 20)
+        voices = noise(1, level, n=8 * RATE)
+        voices[0] *= np.sqrt(2 / 3) * (1 + np.sin(2 * np.pi * np.arange(8 * RATE) / RATE))  # pauses, and loud parts
+        si_sdr = POOR if what == "level" else GOOD + part * (POOR - GOOD)
+        kept = dominant(voices, believed(15, si_sdr), RATE)[1]
+        gains.append(float(np.linalg.norm(kept) / np.linalg.norm(voices[1])))
+    assert gains[0] == pytest.approx(1, abs=0.02)
+    assert gains[-1] < 0.7
+    assert all(0 < before - after < 0.05 for before, after in pairwise(gains))
+
+
+@pytest.mark.parametrize("shape", [(0, 100), (1, 0), (2, 0), (2, 1), (3, 159), (3, 16001)])
+@pytest.mark.parametrize("rate", [16000, 48000])
+def test_any_shape_and_silence(shape, rate) -> None:
+    kept = dominant(np.zeros(shape, np.float32), believed(*[-20.0] * shape[0]), rate)
+    assert [voice.shape for voice in kept] == [shape[1:]] * shape[0]
+    assert all(voice.dtype == np.float32 and np.isfinite(voice).all() for voice in kept)
+
+
+def test_a_soft_voice_sounds_more_like_its_own_print_and_not_more_like_others() -> None:
+    voices, heard = separated([0, 0, -12])
+    own, other = enrol(voices[2].enrolment, RATE), enrol(voices[0].enrolment, RATE)
+    as_it_is, kept = heard[2], dominant(heard, believed(15, 15, 0), RATE)[2]
+    assert own.score(kept, RATE).value > own.score(as_it_is, RATE).value + 1
+    assert other.score(kept, RATE).value < other.score(as_it_is, RATE).value + 1
+
+
+def test_who_is_never_heard_alone_is_undecided() -> None:
+    voices, _ = separated([0, 0, 0])
+    groups = Groups(np.zeros((2, 1, 0), complex), ((0,), (1,)), "made up", quality=believed(15, -3))
+    heard = lone_voices(groups, noise(1, 0.1).astype(np.float32), RATE)
+    evidence = Evidence(RATE, enrol(voices[0].enrolment, RATE))
+    assert evidence.hear(1, heard[1]) == 0.0
+    assert evidence.alone(heard[1]) == 0.0
+    assert evidence.seconds(1) == 0.0
