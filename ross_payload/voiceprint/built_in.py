@@ -84,6 +84,8 @@ class BuiltInModel:
 
     def embed(self, samples: Real) -> Real:
         """Return the embedding of a recording (n,) at `RATE`, of length 1 or, with hardly any voice, 0, (size,)."""
+        if len(samples) < LEAST_SECONDS * RATE:
+            return np.zeros(self.size)
         return self.embedding_of(analyse(samples, RATE))
 
     def embedding_of(self, features: Features) -> Real:

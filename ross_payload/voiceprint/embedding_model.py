@@ -19,7 +19,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.plugins import install_line
 from ross_payload.voiceprint.built_in import built_in_model
-from ross_payload.voiceprint.embedding_print import Calibration, EmbeddingPrint, enrolled_print, unit
+from ross_payload.voiceprint.embedding_print import LEAST_SECONDS, Calibration, EmbeddingPrint, enrolled_print, unit
 from ross_payload.voiceprint.features import RATE, Features
 
 BANDS = 80
@@ -63,10 +63,12 @@ class EmbeddingModel:
         return enrolled_print(self, samples, features.seconds, separated=separated)
 
     def embed(self, samples: Real) -> Real:
-        """Return the embedding of a recording (n,) at `RATE`, of length 1, (size,).
+        """Return the embedding of a recording (n,) at `RATE`, of length 1 or, of less than 0.3 s, 0, (size,).
 
         It is that of the network and that of the built-in model, side by side.
         """
+        if len(samples) < LEAST_SECONDS * RATE:
+            return np.zeros(self.size)
         return unit(np.concatenate([unit(self._run(filter_banks(samples))), self._built_in.embed(samples)]))
 
     def similarity(self, enrolled: Real, heard: Real) -> float:

@@ -44,6 +44,12 @@ def test_every_voice_is_heard_from_one_heading_for_3_s_and_from_three_for_10_and
     assert sum(each.own for each in found) == 2 * 4 * 2
 
 
+def test_a_voice_of_which_nothing_can_be_compared_tells_nothing(crowd, monkeypatch):
+    monkeypatch.setattr(calibrate_voice_model, "separated_at", lambda *_, **__: np.zeros(0))
+    monkeypatch.setattr(crowd.model, "embed", lambda clip: np.zeros(len(NAMES) + len(clip)))
+    assert list(comparisons(crowd, "S1", 4, draws=1, seed=0)) == []
+
+
 def test_headings_are_the_best_one_and_others_that_isolate_by_half_as_much(crowd):
     rng = np.random.default_rng(0)
     for azimuths in layouts(4, 5, rng)[1:]:

@@ -141,6 +141,15 @@ def test_where_the_built_in_model_has_heard_nothing_the_network_decides(network)
     assert network.similarity(enrolled, heard) == pytest.approx(float(unit(enrolled[:SIZE]) @ unit(heard[:SIZE])))
 
 
+@pytest.mark.parametrize("n", [0, 1, 399, 1000, 4799])
+def test_of_less_than_the_shortest_there_is_no_embedding(network, n):
+    for model in (network, built_in_model()):
+        embedding = model.embed(vowel()[:n])
+        assert embedding.shape == (model.size,)
+        assert not embedding.any()
+    assert np.linalg.norm(network.embed(vowel()[:4800])) == pytest.approx(1.0)
+
+
 def test_clips_of_one_voice_count_by_how_long_they_are_and_each_is_looked_at_once(network, ann, monkeypatch):
     clips = [vowel(seconds=seconds, formant=formant) for seconds, formant in ((2.0, 700.0), (4.0, 2500.0))]
     mean = unit(2 * network.embed(clips[0]) + 4 * network.embed(clips[1]))
