@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ross_payload.errors import AudioError
 from ross_payload.events import Enrolled, Estimate, Outcome, State
-from ross_payload.interfaces import Groups, Real, Result
+from ross_payload.interfaces import Result
 from ross_payload.mission.align import align
 from ross_payload.mission.context import Context, Step
 from ross_payload.mission.heading_hold import attend, face_alignment
 from ross_payload.mission.identify_target import separate
+from ross_payload.mission.voice_evidence import lone_voices
 from ross_payload.orders import Enrol
 from ross_payload.voiceprint import enrol
 from ross_payload.voiceprint.dominance import dominant
@@ -46,7 +45,10 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
     for _ in range(MOST_PERIODS):
         heard = yield from attend(context, seconds)
         groups, voices = separate(context, estimate, heard)
-        voice = np.concatenate([voice, _alone(source, groups, dominant(voices, groups.quality, context.settings.rate))])
+        alone = lone_voices(groups, dominant(voices, groups.quality, context.settings.rate))
+        if source not in alone:  # it poses as one with others: the print would be of a mixture
+            raise NotEnrolled(f"source {source} cannot be told from the others at any heading within the limits")
+        voice = np.concatenate([voice, alone[source]])
         try:
             model = enrol(voice, context.settings.rate, context.tools.voice_model, separated=True)
         except AudioError as error:
@@ -57,17 +59,3 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
         told = f"enrolled {order.name} from {model.seconds:.1f} s of speech of source {source}"
         return Result(Outcome.COMPLETED, told)
     raise NotEnrolled(f"{order.name}: {why}")
-
-
-def _alone(source: int, groups: Groups, voices: Sequence[Real]) -> Real:
-    """Return the voice of the group that is this source alone, (n_kept,).
-
-    Raises
-    ------
-    NotEnrolled
-        When it poses as one with others: the print would be of a mixture.
-    """
-    for group, members in enumerate(groups.members):
-        if members == (source,):
-            return voices[group]
-    raise NotEnrolled(f"source {source} cannot be told from the others at any heading within the limits")

@@ -19,7 +19,7 @@ from ross_payload.voiceprint.dominance import dominant
 APART = 0.5  # a heading tells of a source when it isolates it by this share of the best one
 WELL = 0.6  # and need not be joined by another one at first when it does by this share
 CERTAIN = 4.0  # over the criterion: who sounds so much like the target is not checked, nobody else recalled [nat]
-LONG_ENOUGH = 0.5  # of T_unit in which a voice must dominate for that
+LEAST_SHARE = 0.5  # of T_unit that must be left of a voice for that
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,8 @@ class Identification:
 
     groups: Groups
     voices: Real  # (n_groups, n_samples), float32
-    scores: tuple[GroupScore, ...]
+    compared: tuple[Real, ...]  # what of every voice is compared with the print, (n_kept,) each
+    scores: tuple[GroupScore, ...] = ()
 
     @property
     def best(self) -> int | None:
@@ -100,22 +101,23 @@ def judged(
 ) -> Identification:
     """Score what was separated at a heading [rad] as `recognise` says; the ``evidence`` hears it, too."""
     groups, voices = separated
+    found = Identification(groups, voices, tuple(dominant(voices, groups.quality, context.settings.rate)))
     if evidence is not None:
         clear = set(np.flatnonzero(_clear(context, estimate, heading)).tolist())
-        heard = lone_voices(groups, voices, context.settings.rate)
+        heard, seconds = lone_voices(groups, found.compared), voices.shape[1] / context.settings.rate
         for source in clear & set(heard):
-            evidence.hear(source, heard[source])
-    return scored(context, groups, voices, evidence)
+            evidence.hear(source, heard[source], seconds=seconds)
+    return scored(context, found, evidence)
 
 
-def scored(context: Context, groups: Groups, voices: Real, evidence: Evidence | None = None) -> Identification:
+def scored(context: Context, found: Identification, evidence: Evidence | None = None) -> Identification:
     """Compare every group with the target's voice print; a group of one source may have its score in ``evidence``."""
     scores = []
-    compared = dominant(voices, groups.quality, context.settings.rate)
-    for group, (members, voice) in enumerate(zip(groups.members, compared, strict=True)):
+    for group, (members, voice) in enumerate(zip(found.groups.members, found.compared, strict=True)):
         value = evidence.scores.get(members[0]) if evidence is not None and len(members) == 1 else None
-        scores.append(_scored(context, groups, group, _nothing_heard(context).alone(voice) if value is None else value))
-    return Identification(groups, voices, tuple(scores))
+        value = _nothing_heard(context).alone(voice) if value is None else value
+        scores.append(_scored(context, found.groups, group, value))
+    return replace(found, scores=tuple(scores))
 
 
 def _scored(context: Context, groups: Groups, group: int, value: float) -> GroupScore:
@@ -148,9 +150,11 @@ def recall(context: Context, estimate: Estimate, known: Evidence | None = None) 
 
 
 def beyond_doubt(context: Context, evidence: Evidence, source: int) -> bool:
-    """Whether a source that was heard for T_unit sounds like the target as few others do."""
+    """Whether a source heard for T_unit, half of which counts at least, sounds like the target as few others do."""
+    unit = context.settings.unit
+    long_enough = evidence.listened.get(source, 0.0) >= 0.99 * unit and evidence.seconds(source) >= LEAST_SHARE * unit
     sure = evidence.scores.get(source, -np.inf) >= context.settings.criterion + CERTAIN
-    return evidence.target is not None and sure and evidence.seconds(source) >= LONG_ENOUGH * context.settings.unit
+    return evidence.target is not None and sure and long_enough
 
 
 def recall_more(context: Context, estimate: Estimate, evidence: Evidence, source: int) -> None:
@@ -175,9 +179,11 @@ def _hear_recalled(
     for i in new:
         if i not in evidence.recalled:
             groups, voices = separate_piece(context, estimate, context.explored[i])
-            evidence.recalled[i] = lone_voices(groups, voices, context.settings.rate)
+            evidence.recalled[i] = lone_voices(groups, dominant(voices, groups.quality, context.settings.rate))
             evidence.method = groups.method
-    evidence.hear(source, *(evidence.recalled[i][source] for i in new if source in evidence.recalled[i]))
+    alone = [i for i in new if source in evidence.recalled[i]]
+    seconds = sum(context.explored[i].samples.shape[1] for i in alone) / context.settings.rate
+    evidence.hear(source, *(evidence.recalled[i][source] for i in alone), seconds=seconds)
 
 
 def _enough(context: Context, apart: Real) -> list[int]:

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ross_payload.interfaces import Groups, Real, VoicePrint
-from ross_payload.voiceprint.dominance import dominant
 
 MOST = 40.0  # of every source that are compared, the latest [s]
 
@@ -22,17 +21,19 @@ class Evidence:
     rate: int  # [Hz]
     target: VoicePrint | None  # None: nobody is sought, every score is 0
     scores: dict[int, float] = field(default_factory=dict)  # of all clips of a source joined [nat]
-    clips: dict[int, list[Real]] = field(default_factory=dict)  # (n_samples,) each
+    clips: dict[int, list[Real]] = field(default_factory=dict)  # what is compared, (n_samples,) each
+    listened: dict[int, float] = field(default_factory=dict)  # how long for them, with what is not compared [s]
     recalled: dict[int, dict[int, Real]] = field(default_factory=dict)  # voices by source, by orientation explored
     told: dict[int, set[int]] = field(default_factory=dict)  # orientations at which each was recalled
     method: str = ""  # the separator of what was recalled
 
     def seconds(self, source: int) -> float:
-        """How much was heard of a source [s]."""
+        """How much of what was heard of a source is compared [s]."""
         return sum(map(len, self.clips.get(source, []))) / self.rate
 
-    def hear(self, source: int, *clips: Real) -> float:
-        """Add clips (n_samples,) of a source, none or more; return the score of all that was heard of it."""
+    def hear(self, source: int, *clips: Real, seconds: float) -> float:
+        """Add clips (n_samples,) of a source that were heard in so many seconds; return the score of all of it."""
+        self.listened[source] = self.listened.get(source, 0.0) + seconds
         clips = tuple(clip for clip in clips if clip.size)
         if not clips:
             return self.scores.get(source, 0.0)
@@ -49,7 +50,8 @@ class Evidence:
         """Return the same of the sources that have a name in another estimate, {here: there}."""
         scores = {names[source]: value for source, value in self.scores.items() if source in names}
         clips = {names[source]: list(heard) for source, heard in self.clips.items() if source in names}
-        return Evidence(self.rate, self.target, scores, clips, method=self.method)
+        listened = {names[source]: seconds for source, seconds in self.listened.items() if source in names}
+        return Evidence(self.rate, self.target, scores, clips, listened, method=self.method)
 
 
 def latest(clips: Sequence[Real], most: int) -> list[Real]:
@@ -67,13 +69,13 @@ def latest(clips: Sequence[Real], most: int) -> list[Real]:
     return kept
 
 
-def lone_voices(groups: Groups, voices: Real, rate: int) -> dict[int, Real]:
-    """Return what is compared of the voices (n_groups, n_samples) at ``rate`` [Hz] of groups of one source, by source.
+def lone_voices(groups: Groups, voices: Sequence[Real]) -> dict[int, Real]:
+    """Return the voices (n_samples,) of groups of one source, by source.
 
     >>> import numpy as np
     >>> groups = Groups(np.zeros((2, 1, 0), complex), ((0, 2), (1,)), "made up")
-    >>> list(lone_voices(groups, np.zeros((2, 5)), 16000))
+    >>> list(lone_voices(groups, np.zeros((2, 5))))
     [1]
     """
-    pairs = zip(groups.members, dominant(voices, groups.quality, rate), strict=True)
+    pairs = zip(groups.members, voices, strict=True)
     return {members[0]: voice for members, voice in pairs if len(members) == 1}

@@ -118,17 +118,17 @@ class Network:
         """
         (_, n_groups, n_frames), n_rows = _shape(shown), where.shape[1]
         n_columns, height = -(-n_frames // COLUMNS), n_rows + EDGE
-        into = np.hstack([self.enter, self.enter_bias]).T
-        past = np.vstack([np.hstack([self.recall, self.gather_bias]), np.hstack([self.skip, self.leave_bias])]).T
+        first = np.hstack([self.enter, self.enter_bias]).T
+        last = np.vstack([np.hstack([self.recall, self.gather_bias]), np.hstack([self.skip, self.leave_bias])]).T
         hidden = np.empty((n_groups, EDGE + n_columns * height, len(self.enter)), np.float32)
         hidden[:, :EDGE] = 0
         inside = _columns(hidden[:, EDGE:], height)
         inside[:, :, n_rows:] = 0
-        seen = np.empty((n_groups, n_columns, n_rows, past.shape[1]), np.float32)
+        seen = np.empty((n_groups, n_columns, n_rows, last.shape[1]), np.float32)
         for columns in _some_columns(seen):
             patches = _patched(shown, where, columns)
-            np.maximum(patches @ into, 0, out=inside[:, columns, :n_rows])
-            np.matmul(patches, past, out=seen[:, columns])
+            np.maximum(patches @ first, 0, out=inside[:, columns, :n_rows])
+            np.matmul(patches, last, out=seen[:, columns])
         return hidden, seen
 
     def _left(self, hidden: Real, seen: Real) -> Real:

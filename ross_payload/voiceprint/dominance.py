@@ -19,7 +19,7 @@ AROUND = 15  # blocks that a share is of
 LEAST = 0.05  # share below which nothing is kept of a voice that is weighted fully
 POOR, GOOD = 1.0, 5.0  # SI-SDR that is expected of a voice which is weighted fully, and not at all [dB]
 SOFT = 6.0  # below the mean of the others: weighted fully; not at all when as loud [dB]
-SILENCE = 1e-20  # energy of a voice that is as good as nothing
+SILENCE = 1e-20  # power or energy of a voice that is as good as nothing
 
 
 def dominant(voices: Real, quality: Sequence[Quality], rate: int) -> list[Real]:

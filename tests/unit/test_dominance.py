@@ -1,11 +1,14 @@
 """Of a voice that holds much of the others the parts are compared in which it dominates, of a clean one everything."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from mission_bench import Likes
 from ross_payload.interfaces import Groups, Quality
+from ross_payload.mission.identify_target import CERTAIN, beyond_doubt
 from ross_payload.mission.voice_evidence import Evidence, lone_voices
 from ross_payload.voiceprint import enrol
 from ross_payload.voiceprint.dominance import GOOD, POOR, SOFT, dominant
@@ -112,8 +115,19 @@ def test_a_soft_voice_sounds_more_like_its_own_print_and_not_more_like_others() 
 def test_who_is_never_heard_alone_is_undecided() -> None:
     voices, _ = separated([0, 0, 0])
     groups = Groups(np.zeros((2, 1, 0), complex), ((0,), (1,)), "made up", quality=believed(15, -3))
-    heard = lone_voices(groups, noise(1, 0.1).astype(np.float32), RATE)
+    heard = lone_voices(groups, dominant(noise(1, 0.1).astype(np.float32), groups.quality, RATE))
     evidence = Evidence(RATE, enrol(voices[0].enrolment, RATE))
-    assert evidence.hear(1, heard[1]) == 0.0
+    assert evidence.hear(1, heard[1], seconds=1.0) == 0.0
     assert evidence.alone(heard[1]) == 0.0
     assert evidence.seconds(1) == 0.0
+    assert evidence.listened == {1: 1.0}
+
+
+@pytest.mark.parametrize(
+    ("listened", "left", "sure"), [(3.0, 3.0, True), (3.0, 1.5, True), (3.0, 1.4, False), (1.6, 1.6, False)]
+)
+def test_who_was_heard_for_too_short_or_hardly_counts_is_not_beyond_doubt(listened, left, sure) -> None:
+    context = SimpleNamespace(settings=SimpleNamespace(criterion=0.5, unit=3.0))
+    clips = {0: [np.ones(round(left * RATE))]}
+    evidence = Evidence(RATE, Likes(0), {0: 0.5 + CERTAIN}, clips, {0: listened})
+    assert beyond_doubt(context, evidence, 0) == sure

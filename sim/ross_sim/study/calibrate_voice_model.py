@@ -111,7 +111,9 @@ def comparisons(crowd: Crowd, room: str, talkers: int, draws: int, seed: int) ->
         for target, voice in enumerate(chosen):
             for seconds, clips in heard_of(target, said, azimuths, SETTINGS[room], rng):
                 embedding = unit(np.sum([crowd.model.embed(at_rate(clip, RATE)) for clip in clips], axis=0))
-                for name, print_ in crowd.prints.items() if embedding.any() else ():
+                if not embedding.any():
+                    continue
+                for name, print_ in crowd.prints.items():
                     yield Comparison(seconds, crowd.model.similarity(print_, embedding), name == voice.name)
 
 
