@@ -1,12 +1,14 @@
 """Of a voice that holds much of the others the parts are compared in which it dominates, of a clean one everything."""
 
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from mission_bench import Likes
+from mission_bench import Likes, OneGroupEach, rig
+from ross_payload.events import Outcome, Separated
 from ross_payload.interfaces import Groups, Quality
 from ross_payload.mission.identify_target import CERTAIN, beyond_doubt
 from ross_payload.mission.voice_evidence import Evidence, lone_voices
@@ -131,3 +133,34 @@ def test_who_was_heard_for_too_short_or_hardly_counts_is_not_beyond_doubt(listen
     clips = {0: [np.ones(round(left * RATE))]}
     evidence = Evidence(RATE, Likes(0), {0: 0.5 + CERTAIN}, clips, {0: listened})
     assert beyond_doubt(context, evidence, 0) == sure
+
+
+@dataclass
+class Believing(OneGroupEach):
+    """The same separator, which expects an SI-SDR [dB] of every voice."""
+
+    si_sdr: float = 0.0
+
+    def batch(self, spectrogram, scene):
+        groups = super().batch(spectrogram, scene)
+        return replace(groups, quality=(Quality(self.si_sdr, 5.0),) * len(groups.members))
+
+
+@dataclass
+class Loudness(Likes):
+    """The same voice print, which remembers the peaks of what it was asked about."""
+
+    peaks: set = field(default_factory=set)
+
+    def score(self, voice, rate):
+        self.peaks.add(round(float(np.abs(voice).max()), 3))
+        return super().score(voice, rate)
+
+
+@pytest.mark.parametrize(("si_sdr", "peaks"), [(GOOD, {0.1, 0.2, 0.3}), (POOR, {0.007, 0.163, 0.3})])
+def test_poor_voices_are_compared_by_their_shares_and_heard_as_they_are(si_sdr, peaks):
+    print_ = Loudness(1)
+    one = rig(voiceprint=print_, separator=Believing(si_sdr))
+    assert one.run().outcome is Outcome.TARGET_FOUND
+    assert print_.peaks == peaks
+    assert np.abs(one.said(Separated)[-1].voices).max(axis=1) == pytest.approx([0.1, 0.2, 0.3], rel=1e-3)

@@ -1,19 +1,21 @@
 """Enrolment by pointing: turn, separate, learn the voice; nobody is enrolled who has not agreed, and no mixture."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ross_payload.errors import AudioError
 from ross_payload.events import Answer, Enrolled, Separated, TurnStarted
-from ross_payload.interfaces import Groups
+from ross_payload.interfaces import Groups, Quality
 from ross_payload.mission import enrol_talker
 from ross_payload.mission.live_session import Kit
 from ross_payload.orders import Enrol, Explore, ListenTo, Seek
 from ross_payload.service.voice_keeper import VoiceKeeper
 from ross_payload.sessions.event_json import plain
 from ross_payload.voiceprint import EmbeddingPrint, VoiceStore, built_in_model
+from ross_payload.voiceprint.dominance import POOR
 from session_bench import Bench, Likes, make, nobody
 
 
@@ -57,6 +59,20 @@ def test_a_source_is_turned_to_separated_and_enrolled(explored, heard):
     assert np.abs(voice).max() == pytest.approx(0.3, abs=0.01)  # the group of source 2 is the mixture times 3
     assert answer.answer is Answer.DONE
     assert "enrolled ann" in explored.reason(2)
+
+
+def test_of_a_poor_voice_the_parts_are_enrolled_in_which_it_dominates(explored, heard, monkeypatch):
+    separate = enrol_talker.separate
+
+    def poor(*asked):
+        groups, voices = separate(*asked)
+        return replace(groups, quality=(Quality(POOR, 5.0),) * len(groups.members)), voices
+
+    monkeypatch.setattr(enrol_talker, "separate", poor)
+    explored.hop(Enrol(source=0, seconds=0.5, name="ann", consent=True, number=2))
+    assert explored.over(2).answer is Answer.DONE
+    ((voice, _),) = heard
+    assert np.abs(voice).max() == pytest.approx(0.1 / 14, rel=0.02)  # its share beside the mixture times 2 and 3
 
 
 def test_who_was_enrolled_is_the_target_from_then_on(explored, heard):

@@ -1,6 +1,6 @@
 """The mission is a coroutine: these tests send it Inputs and read its Outputs; nothing else moves."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -34,10 +34,9 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.interfaces import Groups, Quality, Score
+from ross_payload.interfaces import Groups, Score
 from ross_payload.mission.identify_target import CERTAIN
 from ross_payload.orders import Cancel, Stop
-from ross_payload.voiceprint.dominance import GOOD, POOR
 
 
 def test_target_is_found_at_its_own_alignment():
@@ -254,37 +253,6 @@ def test_whom_the_exploration_leaves_no_doubt_of_is_listened_to_without_a_check(
     assert (checked.candidate.source, checked.groups[checked.accepted].members) == (1, (1,))
     assert checked.method == "numbered"
     assert (checked.why == "by what was heard before") == (checks == 0)
-
-
-@dataclass
-class Believing(OneGroupEach):
-    """The same separator, which expects an SI-SDR [dB] of every voice."""
-
-    si_sdr: float = 0.0
-
-    def batch(self, spectrogram, scene):
-        groups = super().batch(spectrogram, scene)
-        return replace(groups, quality=(Quality(self.si_sdr, 5.0),) * len(groups.members))
-
-
-@dataclass
-class Loudness(Likes):
-    """The same voice print, which remembers the peaks of what it was asked about."""
-
-    peaks: set = field(default_factory=set)
-
-    def score(self, voice, rate):
-        self.peaks.add(round(float(np.abs(voice).max()), 3))
-        return super().score(voice, rate)
-
-
-@pytest.mark.parametrize(("si_sdr", "peaks"), [(GOOD, {0.1, 0.2, 0.3}), (POOR, {0.007, 0.163, 0.3})])
-def test_poor_voices_are_compared_by_their_shares_and_heard_as_they_are(si_sdr, peaks):
-    print_ = Loudness(1)
-    one = rig(voiceprint=print_, separator=Believing(si_sdr))
-    assert one.run().outcome is Outcome.TARGET_FOUND
-    assert print_.peaks == peaks
-    assert np.abs(one.said(Separated)[-1].voices).max(axis=1) == pytest.approx([0.1, 0.2, 0.3], rel=1e-3)
 
 
 def test_who_was_told_from_outside_is_checked_however_sure_the_voice():
