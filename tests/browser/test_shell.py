@@ -189,6 +189,7 @@ def test_stop_needs_no_control_and_no_second_click(kept, crew, open_page):
     eventually(holder, holder.get_by_role("button", name="Explore", exact=True).is_disabled)
     rearm(other)
     other.get_by_role("button", name="Release control").click()
+    other.get_by_role("button", name="Take control").wait_for()  # else the next test takes it for held yet
 
 
 def test_away_from_a_payload_stop_is_for_all(kept, window):
