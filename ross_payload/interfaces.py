@@ -477,12 +477,20 @@ class Score:
     accepted: bool  # above the criterion
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Clip:
+    """What of a separated voice is compared with a print."""
+
+    samples: Real  # (n_samples,), perhaps nothing
+    poorness: float = 0.0  # 0: compared as it was separated; 1: soft, full of the others, only parts of it are left
+
+
 class VoicePrint(Protocol):
     """One enrolled voice."""
 
     def score(self, voice: Real, rate: int) -> Score:
         """Compare a recording (n_samples,) at ``rate`` [Hz] with the enrolled voice."""
 
-    def score_clips(self, clips: Sequence[Real], rate: int) -> Score:
-        """Compare what was heard of one voice, clips (n_samples,) each, with the enrolled voice: as one recording."""
-        return self.score(np.concatenate(clips), rate)
+    def score_clips(self, clips: Sequence[Clip], rate: int) -> Score:
+        """Compare what was heard of one voice with the enrolled voice: as one recording."""
+        return self.score(np.concatenate([clip.samples for clip in clips]), rate)

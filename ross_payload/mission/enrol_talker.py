@@ -48,7 +48,7 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
         alone = lone_voices(groups, dominant(voices, groups.quality, context.settings.rate))
         if source not in alone:  # it poses as one with others: the print would be of a mixture
             raise NotEnrolled(f"source {source} cannot be told from the others at any heading within the limits")
-        voice = np.concatenate([voice, alone[source]])
+        voice = np.concatenate([voice, alone[source].samples])
         try:
             model = enrol(voice, context.settings.rate, context.tools.voice_model, separated=True)
         except AudioError as error:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ross_payload.alignment.plan import HEADINGS, isolation
 from ross_payload.dsp.steering import tdoa
 from ross_payload.events import Estimate, GroupScore
-from ross_payload.interfaces import Groups, Real, Scene
+from ross_payload.interfaces import Clip, Groups, Real, Scene
 from ross_payload.mission.context import Context, Listening
 from ross_payload.mission.voice_evidence import Evidence, lone_voices
 from ross_payload.voiceprint.dominance import dominant
@@ -28,7 +28,7 @@ class Identification:
 
     groups: Groups
     voices: Real  # (n_groups, n_samples), float32
-    compared: tuple[Real, ...]  # what of every voice is compared with the print, (n_kept,) each
+    compared: tuple[Clip, ...]  # what of every voice is compared with the print
     scores: tuple[GroupScore, ...] = ()
 
     @property

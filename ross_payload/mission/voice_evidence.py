@@ -7,9 +7,9 @@ to what is known, and nothing that was separated once is separated again.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from ross_payload.interfaces import Groups, Real, VoicePrint
+from ross_payload.interfaces import Clip, Groups, VoicePrint
 
 MOST = 40.0  # of every source that are compared, the latest [s]
 
@@ -21,20 +21,20 @@ class Evidence:
     rate: int  # [Hz]
     target: VoicePrint | None  # None: nobody is sought, every score is 0
     scores: dict[int, float] = field(default_factory=dict)  # of all clips of a source joined [nat]
-    clips: dict[int, list[Real]] = field(default_factory=dict)  # what is compared, (n_samples,) each
+    clips: dict[int, list[Clip]] = field(default_factory=dict)  # what is compared
     listened: dict[int, float] = field(default_factory=dict)  # how long for them, with what is not compared [s]
-    recalled: dict[int, dict[int, Real]] = field(default_factory=dict)  # voices by source, by orientation explored
+    recalled: dict[int, dict[int, Clip]] = field(default_factory=dict)  # voices by source, by orientation explored
     told: dict[int, set[int]] = field(default_factory=dict)  # orientations at which each was recalled
     method: str = ""  # the separator of what was recalled
 
     def seconds(self, source: int) -> float:
         """How much of what was heard of a source is compared [s]."""
-        return sum(map(len, self.clips.get(source, []))) / self.rate
+        return sum(len(clip.samples) for clip in self.clips.get(source, [])) / self.rate
 
-    def hear(self, source: int, *clips: Real, seconds: float) -> float:
-        """Add clips (n_samples,) of a source that were heard in so many seconds; return the score of all of it."""
+    def hear(self, source: int, *clips: Clip, seconds: float) -> float:
+        """Add clips of a source that were heard in so many seconds; return the score of all of it."""
         self.listened[source] = self.listened.get(source, 0.0) + seconds
-        clips = tuple(clip for clip in clips if clip.size)
+        clips = tuple(clip for clip in clips if clip.samples.size)
         if not clips:
             return self.scores.get(source, 0.0)
         self.clips[source] = kept = [*self.clips.get(source, []), *clips]
@@ -42,9 +42,11 @@ class Evidence:
             self.scores[source] = self.target.score_clips(latest(kept, round(MOST * self.rate)), self.rate).value
         return self.scores.setdefault(source, 0.0)
 
-    def alone(self, voice: Real) -> float:
-        """Score a voice (n_samples,) by itself, whoever it is; 0, undecided, when nobody is sought."""
-        return 0.0 if self.target is None or not voice.size else self.target.score(voice, self.rate).value
+    def alone(self, voice: Clip) -> float:
+        """Score a voice by itself, whoever it is; 0, undecided, when nobody is sought."""
+        if self.target is None or not voice.samples.size:
+            return 0.0
+        return self.target.score_clips([voice], self.rate).value
 
     def renamed(self, names: Mapping[int, int]) -> Evidence:
         """Return the same of the sources that have a name in another estimate, {here: there}."""
@@ -54,27 +56,27 @@ class Evidence:
         return Evidence(self.rate, self.target, scores, clips, listened, method=self.method)
 
 
-def latest(clips: Sequence[Real], most: int) -> list[Real]:
-    """Return the last samples of clips (n_samples,), at most so many.
+def latest(clips: Sequence[Clip], most: int) -> list[Clip]:
+    """Return the last samples of clips, at most so many.
 
     >>> import numpy as np
-    >>> latest([np.arange(3), np.arange(4), np.arange(2)], 4)
-    [array([2, 3]), array([0, 1])]
+    >>> [clip.samples.tolist() for clip in latest([Clip(np.arange(3)), Clip(np.arange(4)), Clip(np.arange(2))], 4)]
+    [[2, 3], [0, 1]]
     """
-    kept: list[Real] = []
+    kept: list[Clip] = []
     for clip in reversed(clips):
         if most > 0:
-            kept.insert(0, clip[-most:])
-            most -= len(clip)
+            kept.insert(0, replace(clip, samples=clip.samples[-most:]))
+            most -= len(clip.samples)
     return kept
 
 
-def lone_voices(groups: Groups, voices: Sequence[Real]) -> dict[int, Real]:
-    """Return the voices (n_samples,) of groups of one source, by source.
+def lone_voices(groups: Groups, voices: Sequence[Clip]) -> dict[int, Clip]:
+    """Return the voices of groups of one source, by source.
 
     >>> import numpy as np
     >>> groups = Groups(np.zeros((2, 1, 0), complex), ((0, 2), (1,)), "made up")
-    >>> list(lone_voices(groups, np.zeros((2, 5))))
+    >>> list(lone_voices(groups, [Clip(np.zeros(5))] * 2))
     [1]
     """
     pairs = zip(groups.members, voices, strict=True)

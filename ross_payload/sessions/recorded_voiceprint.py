@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import Real, Score, VoicePrint
+from ross_payload.interfaces import Clip, Real, Score, VoicePrint
 from ross_payload.sessions.npz_memory import VOICE_FILE, restored_voice
 from ross_payload.sessions.session_reader import RecordedSession
 from ross_payload.voiceprint import VoiceModel, VoiceStore
@@ -44,9 +44,9 @@ class RecordedAnswers:
             raise Unanswered("the voice print is not here, and its recorded answers end where the replay diverges")
         return score
 
-    def score_clips(self, clips: Sequence[Real], rate: int) -> Score:
+    def score_clips(self, clips: Sequence[Clip], rate: int) -> Score:
         """Return the next recorded answer, as `score` does."""
-        return self.score(clips[-1], rate)
+        return self.score(clips[-1].samples, rate)
 
 
 def target_voice(

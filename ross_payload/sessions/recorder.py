@@ -21,7 +21,7 @@ from ross_payload import config
 from ross_payload.errors import RossError
 from ross_payload.events import Event
 from ross_payload.health import RecordingState, RecordingStatus
-from ross_payload.interfaces import Input, Real, Score, VoiceBlock, VoicePrint
+from ross_payload.interfaces import Clip, Input, Real, Score, VoiceBlock, VoicePrint
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.session_store import GB, SessionStore
 from ross_payload.sessions.session_writer import SessionWriter
@@ -266,7 +266,7 @@ class RecordingVoicePrint:
         """Score, and tell the answer."""
         return self._told(self._voiceprint.score(voice, rate))
 
-    def score_clips(self, clips: Sequence[Real], rate: int) -> Score:
+    def score_clips(self, clips: Sequence[Clip], rate: int) -> Score:
         """Score what was heard of one voice, and tell the answer."""
         return self._told(self._voiceprint.score_clips(clips, rate))
 

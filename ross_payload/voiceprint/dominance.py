@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ross_payload.interfaces import Quality, Real
+from ross_payload.interfaces import Clip, Quality, Real
 
 BLOCK = 0.01  # in which power is measured [s]
 AROUND = 15  # blocks that a share is of
@@ -22,12 +22,13 @@ SOFT = 6.0  # below the mean of the others: weighted fully; not at all when as l
 SILENCE = 1e-20  # power or energy of a voice that is as good as nothing
 
 
-def dominant(voices: Real, quality: Sequence[Quality], rate: int) -> list[Real]:
-    """Voices of one separation (n_groups, n_samples) as they are compared, (n_kept,) each, perhaps nothing.
+def dominant(voices: Real, quality: Sequence[Quality], rate: int) -> list[Clip]:
+    """Voices of one separation (n_groups, n_samples) as they are compared.
 
     A voice that is `SOFT`, and of which the separator expects an SI-SDR of `POOR` or less, is multiplied by its share
     of the power of all of them during 150 ms around, and cut out where that is less than `LEAST`. One that is as loud
-    as the mean of the others, or `GOOD`, is compared as it is; in between there are powers of the share.
+    as the mean of the others, or `GOOD`, is compared as it is; in between there are powers of the share. The exponent
+    is what is told as `Clip.poorness`.
 
     Parameters
     ----------
@@ -43,13 +44,13 @@ def dominant(voices: Real, quality: Sequence[Quality], rate: int) -> list[Real]:
     >>> loud, soft = np.ones(32000), np.full(32000, 0.1)
     >>> loud[16000:] = 0
     >>> kept = dominant(np.stack([loud, soft]), (Quality(15.0, 5.0), Quality(-1.0, 7.0)), 16000)
-    >>> [round(len(voice) / 16000, 2) for voice in kept]
-    [2.0, 0.95]
+    >>> [(round(len(clip.samples) / 16000, 2), clip.poorness) for clip in kept]
+    [(2.0, 0.0), (0.95, 1.0)]
     """
     size, n = max(round(BLOCK * rate), 1), voices.shape[1]
     n_blocks, exponents = -(-n // size), _exponents(voices, quality)
     if not any(exponents) or n_blocks == 0:
-        return list(voices)
+        return [Clip(voice) for voice in voices]
     padded = np.pad(voices.astype(np.float64), ((0, 0), (0, n_blocks * size - n)))
     blocks = np.mean(padded.reshape(len(voices), n_blocks, size) ** 2, axis=2)
     power = uniform_filter1d(blocks, AROUND, axis=1) + SILENCE
@@ -57,7 +58,8 @@ def dominant(voices: Real, quality: Sequence[Quality], rate: int) -> list[Real]:
     kept = []
     for voice, share, exponent in zip(voices, power / power.sum(axis=0), exponents, strict=True):
         here = np.interp(places, np.arange(n_blocks), share)
-        kept.append((voice * (here**exponent).astype(voice.dtype))[here >= LEAST * exponent])
+        weighted = voice * (here**exponent).astype(voice.dtype)
+        kept.append(Clip(weighted[here >= LEAST * exponent], exponent))
     return kept
 
 

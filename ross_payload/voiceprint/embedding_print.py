@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ross_payload.interfaces import Real, Score
+from ross_payload.interfaces import Clip, Real, Score
 from ross_payload.voiceprint.disturbed_copies import disturbed
 from ross_payload.voiceprint.features import RATE, at_rate, checked
 
@@ -28,17 +28,24 @@ class Calibration:
     """From how alike two embeddings are to a log-likelihood ratio, by the duration of what is scored.
 
     The ratio [nat] is slope * (similarity - threshold); both are those of `SHORT_S` and `LONG_S`, between them they
-    follow the logarithm of the duration, beyond them they stay.
+    follow the logarithm of the duration, beyond them they stay. What remains of the others in a poor voice makes it
+    less like every print: one whose `Clip.poorness` is 1 has a slope and a threshold of its own, in between they lie
+    between (a quality measure, Ferrer, Graciarena, Zymnis and Shriberg, "System combination using auxiliary
+    information for speaker verification", Proc. ICASSP 2008).
     """
 
     slopes: tuple[float, float]  # [nat]
     thresholds: tuple[float, float]
     source: str = ""  # how it was measured, in words; empty: it was not, these are another model's
+    poor: tuple[float, float] | None = None  # slope [nat] and threshold of a poor voice; None: as of any other
 
-    def ratio(self, similarity: float, seconds: float) -> float:
-        """Return the log-likelihood ratio [nat] of a similarity that was measured on so many seconds."""
+    def ratio(self, similarity: float, seconds: float, poorness: float = 0.0) -> float:
+        """Return the log-likelihood ratio [nat] of a similarity that was measured on so many seconds of a voice."""
         where = np.log(np.clip(seconds, SHORT_S, LONG_S) / SHORT_S) / np.log(LONG_S / SHORT_S)
         slope, threshold = (first + where * (last - first) for first, last in (self.slopes, self.thresholds))
+        if self.poor is not None:
+            slope += poorness * (self.poor[0] - slope)
+            threshold += poorness * (self.poor[1] - threshold)
         return float(slope * (similarity - threshold))
 
 
@@ -94,18 +101,18 @@ class EmbeddingPrint:
         AudioError
             When the recording is empty, not one channel, not finite, or sampled below 16 kHz.
         """
-        return self.score_clips([voice], rate)
+        return self.score_clips([Clip(voice)], rate)
 
-    def score_clips(self, clips: Sequence[Real], rate: int) -> Score:
-        """Compare clips (n_samples,) of one voice, for which the same holds, with the enrolled voice.
+    def score_clips(self, clips: Sequence[Clip], rate: int) -> Score:
+        """Compare clips of one voice, for which the same holds, with the enrolled voice.
 
         What is compared is the mean of their embeddings, by duration. Among several talkers every heading leaves other
         remains of the others: an embedding of all of it at once is further from the voice.
         """
-        samples = joined([at_rate(checked(clip, rate), rate) for clip in clips], round(SHORTEST * RATE))
+        samples = joined([at_rate(checked(clip.samples, rate), rate) for clip in clips], round(SHORTEST * RATE))
         said = [clip for clip in samples if clip.any() and len(clip) >= LEAST_SECONDS * RATE]
         embedding = unit(np.sum([len(clip) * self._embedded(clip) for clip in said], axis=0)) if said else np.zeros(0)
-        found = self.compared(embedding, sum(map(len, samples)) / RATE)
+        found = self.compared(embedding, sum(map(len, samples)) / RATE, poorness_of(clips))
         value = found.value - self.model.several if len(said) > 1 and embedding.any() else found.value
         return Score(value, accepted=value > 0.0)
 
@@ -118,12 +125,12 @@ class EmbeddingPrint:
             self.known[key] = self.model.embed(clip)
         return self.known[key]
 
-    def compared(self, embedding: Real, seconds: float) -> Score:
+    def compared(self, embedding: Real, seconds: float, poorness: float = 0.0) -> Score:
         """Compare the embedding (size,) of so many seconds with the enrolled voice; 0 is undecided."""
         if not embedding.any():
             return Score(0.0, accepted=False)
         similarity = self.model.similarity(self.embedding, embedding)
-        value = self.model.calibration.ratio(similarity, seconds) - self.criterion
+        value = self.model.calibration.ratio(similarity, seconds, poorness) - self.criterion
         return Score(value, accepted=value > 0.0)
 
     def agreed(self, consent: str) -> EmbeddingPrint:
@@ -150,6 +157,16 @@ def joined(clips: Sequence[Real], least: int) -> list[Real]:
             waiting = []
     rest = [*found[-1:], *waiting]
     return [*found[:-1], np.concatenate(rest)] if waiting else found
+
+
+def poorness_of(clips: Sequence[Clip]) -> float:
+    """Return the mean `Clip.poorness` of clips, by duration; 0 of nothing.
+
+    >>> poorness_of([Clip(np.zeros(3), 1.0), Clip(np.zeros(1), 0.0)]), poorness_of([])
+    (0.75, 0.0)
+    """
+    whole = sum(len(clip.samples) for clip in clips)
+    return sum(len(clip.samples) * clip.poorness for clip in clips) / whole if whole else 0.0
 
 
 def enrolled_print(

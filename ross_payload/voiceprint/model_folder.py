@@ -24,7 +24,7 @@ LARGEST = 512 * MB
 BUILT_IN, AUTO = "built-in", "auto"
 SUFFIX = ".onnx"
 
-ANY = Calibration((19.0, 23.0), (0.347, 0.411))
+ANY = Calibration((19.0, 23.0), (0.347, 0.411), poor=(11.0, 0.11))
 """Of CAM++ (Wang et al., Interspeech 2023) for Chinese and English, with 192 numbers: the first guess for any other.
 
 Measured by `ross_sim.study.calibrate_voice_model` on seven talkers of other corpora than those who trained the built-in
@@ -151,16 +151,20 @@ def read_model(path: Path) -> bytes:
 
 
 def _calibration(path: Path) -> Calibration:
-    """Read a calibration: slopes and thresholds at 3 and 10 s, and how they were measured."""
+    """Read a calibration: slopes and thresholds at 3 and 10 s, those of poor voices, and how they were measured."""
     try:
         content: Any = parsed_json(read_bounded(path))
-        slopes, thresholds = (tuple(float(number) for number in content[key]) for key in ("slopes", "thresholds"))
-        (short, long), (low, high) = slopes, thresholds
-        if not all(slope > 0 for slope in slopes) or not all(-1 < threshold < 1 for threshold in thresholds):
+        (short, long), (low, high) = (map(float, content[key]) for key in ("slopes", "thresholds"))
+        told = content.get("poor")  # which is newer than the rest
+        slope, threshold = (short, low) if told is None else map(float, told)
+        inside = all(-1 < each < 1 for each in (low, high, threshold))
+        if not inside or not all(each > 0 for each in (short, long, slope)):
             raise ValueError("slopes above 0 and thresholds between -1 and 1")
-        return Calibration((short, long), (low, high), str(content["source"]))
+        poor = None if told is None else (slope, threshold)
+        return Calibration((short, long), (low, high), str(content["source"]), poor)
     except OSError as error:
         raise ConfigError(f"{path}: no calibration can be read: {error.strerror}") from error
     except (KeyError, TypeError, ValueError) as error:
-        expected = "{'slopes': [at 3 s, at 10 s], 'thresholds': [at 3 s, at 10 s], 'source': 'how'}"
+        ends = "[at 3 s, at 10 s]"
+        expected = f"{{'slopes': {ends}, 'thresholds': {ends}, 'poor': [slope, threshold], 'source': 'how'}}"
         raise ConfigError(f"{path}: expected a calibration {expected}, got {error}") from error

@@ -9,7 +9,7 @@ import pytest
 
 from mission_bench import Likes, OneGroupEach, rig
 from ross_payload.events import Outcome, Separated
-from ross_payload.interfaces import Groups, Quality
+from ross_payload.interfaces import Clip, Groups, Quality
 from ross_payload.mission.identify_target import CERTAIN, beyond_doubt
 from ross_payload.mission.voice_evidence import Evidence, lone_voices
 from ross_payload.voiceprint import enrol
@@ -45,71 +45,76 @@ def believed(*si_sdr: float) -> tuple[Quality, ...]:
 def test_voices_that_are_separated_well_are_compared_as_they_are() -> None:
     voices = noise(1, 0.1, 1)
     for voice, kept in zip(voices, dominant(voices, believed(15, GOOD, 9), RATE), strict=True):
-        np.testing.assert_array_equal(kept, voice)
+        np.testing.assert_array_equal(kept.samples, voice)
+        assert kept.poorness == 0.0
 
 
 def test_where_the_separator_does_not_say_voices_are_compared_as_they_are() -> None:
     voices = noise(1, 0.1)
     for voice, kept in zip(voices, dominant(voices, (), RATE), strict=True):
-        np.testing.assert_array_equal(kept, voice)
+        np.testing.assert_array_equal(kept.samples, voice)
+        assert kept.poorness == 0.0
 
 
 def test_a_lone_voice_is_kept() -> None:
     voices = noise(1e-3)
-    np.testing.assert_array_equal(dominant(voices, believed(-5), RATE)[0], voices[0])
+    np.testing.assert_array_equal(dominant(voices, believed(-5), RATE)[0].samples, voices[0])
 
 
 def test_a_poor_voice_that_is_as_loud_as_the_others_is_kept_whole() -> None:
     voices = np.stack([noise(1)[0], -noise(1)[0], 0.9 * noise(1)[0]])
     kept = dominant(voices, believed(-1, -1, 12), RATE)
     for voice, whole in zip(kept, voices, strict=True):
-        np.testing.assert_array_equal(voice, whole)
+        np.testing.assert_array_equal(voice.samples, whole)
 
 
 def test_a_good_voice_beside_a_poor_one_is_kept_whole() -> None:
     voices = noise(1, 0.3)
-    np.testing.assert_array_equal(dominant(voices, believed(12, -1), RATE)[0], voices[0])
+    np.testing.assert_array_equal(dominant(voices, believed(12, -1), RATE)[0].samples, voices[0])
 
 
 def test_of_a_poor_voice_the_pauses_of_the_others_are_left() -> None:
     loud, soft = noise(1, 0.1, n=2 * RATE)
     loud[RATE:] = 0
     kept = dominant(np.stack([loud, soft]), believed(15, POOR), RATE)[1]
-    assert 0.9 * RATE < len(kept) <= RATE
-    np.testing.assert_allclose(kept[-RATE // 2 :], soft[-RATE // 2 :], rtol=1e-6)
+    assert kept.poorness == 1.0
+    assert 0.9 * RATE < len(kept.samples) <= RATE
+    np.testing.assert_allclose(kept.samples[-RATE // 2 :], soft[-RATE // 2 :], rtol=1e-6)
 
 
 def test_of_a_poor_voice_that_never_dominates_nothing_is_left() -> None:
-    assert [len(kept) for kept in dominant(noise(1, 0.1), believed(15, -3), RATE)] == [RATE, 0]
+    assert [len(kept.samples) for kept in dominant(noise(1, 0.1), believed(15, -3), RATE)] == [RATE, 0]
 
 
 @pytest.mark.parametrize("what", ["expected SI-SDR", "level"])
 def test_between_all_and_nothing_there_is_no_step(what) -> None:
-    gains = []
+    gains, poorness = [], []
     for part in np.linspace(0, 1, 81):
         level = 10 ** (-SOFT * (part if what == "level" else 1) / 20)
         voices = noise(1, level, n=8 * RATE)
         voices[0] *= np.sqrt(2 / 3) * (1 + np.sin(2 * np.pi * np.arange(8 * RATE) / RATE))  # pauses, and loud parts
         si_sdr = POOR if what == "level" else GOOD + part * (POOR - GOOD)
         kept = dominant(voices, believed(15, si_sdr), RATE)[1]
-        gains.append(float(np.linalg.norm(kept) / np.linalg.norm(voices[1])))
+        gains.append(float(np.linalg.norm(kept.samples) / np.linalg.norm(voices[1])))
+        poorness.append(kept.poorness)
     assert gains[0] == pytest.approx(1, abs=0.02)
     assert gains[-1] < 0.7
     assert all(0 < before - after < 0.05 for before, after in pairwise(gains))
+    assert poorness == pytest.approx(np.linspace(0, 1, 81), abs=0.03)
 
 
 @pytest.mark.parametrize("shape", [(0, 100), (1, 0), (2, 0), (2, 1), (3, 159), (3, 16001)])
 @pytest.mark.parametrize("rate", [16000, 48000])
 def test_any_shape_and_silence(shape, rate) -> None:
     kept = dominant(np.zeros(shape, np.float32), believed(*[-20.0] * shape[0]), rate)
-    assert [voice.shape for voice in kept] == [shape[1:]] * shape[0]
-    assert all(voice.dtype == np.float32 and np.isfinite(voice).all() for voice in kept)
+    assert [clip.samples.shape for clip in kept] == [shape[1:]] * shape[0]
+    assert all(clip.samples.dtype == np.float32 and np.isfinite(clip.samples).all() for clip in kept)
 
 
 def test_a_soft_voice_sounds_more_like_its_own_print_and_not_more_like_others() -> None:
     voices, heard = separated([0, 0, -12])
     own, other = enrol(voices[2].enrolment, RATE), enrol(voices[0].enrolment, RATE)
-    as_it_is, kept = heard[2], dominant(heard, believed(15, 15, 0), RATE)[2]
+    as_it_is, kept = heard[2], dominant(heard, believed(15, 15, 0), RATE)[2].samples
     assert own.score(kept, RATE).value > own.score(as_it_is, RATE).value + 1
     assert other.score(kept, RATE).value < other.score(as_it_is, RATE).value + 1
 
@@ -130,7 +135,7 @@ def test_who_is_never_heard_alone_is_undecided() -> None:
 )
 def test_who_was_heard_for_too_short_or_hardly_counts_is_not_beyond_doubt(listened, left, sure) -> None:
     context = SimpleNamespace(settings=SimpleNamespace(criterion=0.5, unit=3.0))
-    clips = {0: [np.ones(round(left * RATE))]}
+    clips = {0: [Clip(np.ones(round(left * RATE)))]}
     evidence = Evidence(RATE, Likes(0), {0: 0.5 + CERTAIN}, clips, {0: listened})
     assert beyond_doubt(context, evidence, 0) == sure
 

@@ -22,7 +22,7 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.interfaces import Attitude, AudioBlock, Groups, Input
+from ross_payload.interfaces import Attitude, AudioBlock, Clip, Groups, Input
 from ross_payload.localization import tracking
 from ross_payload.mission.context import Context, Listening
 from ross_payload.mission.heading_hold import LOOKING, REALIGNED
@@ -273,7 +273,7 @@ def test_a_period_in_which_the_array_has_turned_is_cut_also_when_nobody_has_move
         heard.clear()
         context.tracker.turned = turned
         evidence = Evidence(RATE, context.tools.voiceprint)
-        evidence.hear(1, samples[0][: round(0.7 * RATE)], seconds=0.7)
+        evidence.hear(1, Clip(samples[0][: round(0.7 * RATE)]), seconds=0.7)
         recognise_moving(context, told, 0, Listening(math.radians(15), samples, 0.3, headings), evidence)
         assert len(heard) == pieces
         assert evidence.seconds(1) == pytest.approx(4.7)  # what was heard before counts, too

@@ -8,6 +8,7 @@ import pytest
 
 from ross_payload.audio.audio_files import read_mono
 from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Clip
 from ross_payload.voiceprint import VoiceStore, built_in_model, enrol
 from ross_payload.voiceprint.built_in import SEVERAL
 from ross_payload.voiceprint.disturbed_copies import COPIES, disturbed
@@ -96,12 +97,26 @@ def test_a_calibration_is_kept_beside_its_network(folder, file, tmp_path):
     own.write_text(json.dumps({"slopes": [10, 20], "thresholds": [0.2, 0.4], "source": "twelve readers"}))
     folder.add(file, own)
     assert folder.load("small").calibration == Calibration((10.0, 20.0), (0.2, 0.4), "twelve readers")
+    own.write_text(json.dumps(json.loads(own.read_text()) | {"poor": [5, -0.1]}))
+    folder.add(file, own)
+    assert folder.load("small").calibration == Calibration((10.0, 20.0), (0.2, 0.4), "twelve readers", (5.0, -0.1))
     folder.add(file)
     assert folder.load("small").calibration == ANY
 
 
 @pytest.mark.parametrize(
-    "content", ['{"slopes": [1], "thresholds": [0, 0], "source": ""}', "{}", "[", '{"slopes": [-1, 1]}']
+    "content",
+    [
+        '{"slopes": [1], "thresholds": [0, 0], "source": ""}',
+        '{"slopes": [-1, 1], "thresholds": [0, 0], "source": ""}',
+        '{"slopes": [1, 1], "thresholds": [0, 1], "source": ""}',
+        '{"slopes": [1, 1], "thresholds": [0, 0], "source": "", "poor": [0, 0]}',
+        '{"slopes": [1, 1], "thresholds": [0, 0], "source": "", "poor": [1, 2]}',
+        '{"slopes": [1, 1], "thresholds": [0, 0], "source": "", "poor": 1}',
+        "{}",
+        "[]",
+        "[",
+    ],
 )
 def test_a_wrong_calibration_is_refused(folder, file, tmp_path, content):
     (tmp_path / "own.json").write_text(content)
@@ -116,6 +131,25 @@ def test_ratios_follow_the_duration():
     assert calibration.ratio(0.4, 10.0) == calibration.ratio(0.4, 60.0) == pytest.approx(-4.0)
     between = calibration.ratio(0.4, np.sqrt(30.0))
     assert between == pytest.approx(0.0)
+
+
+def test_a_poor_voice_has_a_slope_and_a_threshold_of_its_own():
+    calibration = Calibration((20.0, 40.0), (0.3, 0.5), poor=(10.0, 0.1))
+    for seconds in (3.0, 10.0):
+        assert calibration.ratio(0.4, seconds, 1.0) == pytest.approx(3.0)
+    assert calibration.ratio(0.4, 3.0, 0.5) == pytest.approx(15.0 * 0.2)
+    assert calibration.ratio(0.4, 3.0, 0.0) == pytest.approx(2.0)
+    assert Calibration((20.0, 40.0), (0.3, 0.5)).ratio(0.4, 3.0, 1.0) == pytest.approx(2.0)
+
+
+def test_how_poor_clips_are_counts_by_how_long_they_are():
+    poor = Calibration((20.0, 40.0), (0.3, 0.5), poor=(10.0, 0.1))
+    network = EmbeddingModel(speaker_network(), "small.onnx", poor)
+    print_ = enrol(vowel(seed=1), RATE, network)
+    clips = [Clip(vowel(seconds=3.0, seed=2), 1.0), Clip(vowel(seconds=1.5, seed=3), 0.4)]
+    mean = unit(2 * network.embed(clips[0].samples) + network.embed(clips[1].samples))
+    assert print_.score_clips(clips, RATE).value == pytest.approx(print_.compared(mean, 4.5, 0.8).value)
+    assert print_.compared(mean, 4.5, 0.8).value != pytest.approx(print_.compared(mean, 4.5).value, abs=0.5)
 
 
 def test_a_voice_scores_higher_against_its_own_print(network):
@@ -156,7 +190,7 @@ def test_clips_of_one_voice_count_by_how_long_they_are_and_each_is_looked_at_onc
     calls, embed = [], network.embed
     monkeypatch.setattr(network, "embed", lambda samples: calls.append(len(samples)) or embed(samples))
     fresh = replace(ann, known={})
-    both, again = fresh.score_clips(clips, RATE), fresh.score_clips(clips[::-1], RATE)
+    both, again = (fresh.score_clips(list(map(Clip, order)), RATE) for order in (clips, clips[::-1]))
     assert both.value == pytest.approx(ann.compared(mean, 6.0).value)
     assert again.value == pytest.approx(both.value)
     assert calls == [2 * RATE, 4 * RATE]
@@ -164,8 +198,8 @@ def test_clips_of_one_voice_count_by_how_long_they_are_and_each_is_looked_at_onc
 
 def test_short_clips_are_joined_and_silent_ones_are_nothing(network, ann):
     short = [vowel(seconds=0.75, seed=seed) for seed in range(2)]
-    assert ann.score_clips(short, RATE) == ann.score(np.concatenate(short), RATE)
-    padded = ann.score_clips([np.zeros(2 * RATE), vowel()], RATE)
+    assert ann.score_clips(list(map(Clip, short)), RATE) == ann.score(np.concatenate(short), RATE)
+    padded = ann.score_clips([Clip(np.zeros(2 * RATE)), Clip(vowel())], RATE)
     assert padded.value == pytest.approx(ann.compared(network.embed(vowel()), 6.0).value)
 
 
@@ -173,8 +207,10 @@ def test_of_a_model_that_single_clips_have_calibrated_several_must_say_more():
     print_ = enrol(vowel(seed=1), RATE)
     clips = [vowel(seconds=2.0, seed=seed) for seed in (2, 3)]
     mean = unit(sum(built_in_model().embed(clip) for clip in clips))
-    assert print_.score_clips(clips, RATE).value == pytest.approx(print_.compared(mean, 4.0).value - SEVERAL)
-    assert print_.score_clips(clips[:1], RATE) == print_.score(clips[0], RATE)
+    assert print_.score_clips(list(map(Clip, clips)), RATE).value == pytest.approx(
+        print_.compared(mean, 4.0).value - SEVERAL
+    )
+    assert print_.score_clips([Clip(clips[0])], RATE) == print_.score(clips[0], RATE)
 
 
 def test_silence_and_a_moment_say_nothing(network):

@@ -8,6 +8,7 @@ import soundfile
 
 from examples import rows_in_soak
 from ross_payload.errors import ConfigError
+from ross_payload.interfaces import Clip
 from ross_payload.voiceprint import built_in_model, enrol
 from ross_payload.voiceprint.features import RATE as VOICE_RATE
 from ross_sim.study import voiceprint_study
@@ -61,7 +62,7 @@ def test_the_separated_voice_is_most_of_all_like_its_talker(room, least):
     t = np.arange(2 * RATE) / RATE
     envelopes = [np.sin(2 * np.pi * rate * t) > 0 for rate in (1.0, 1.7, 2.3)]
     voices = [envelope * rng.standard_normal(t.size) for envelope in envelopes]
-    voice = separated_voice(voices, np.deg2rad([170.0, 70.0, -50.0]), 0, SETTINGS[room], rng)
+    voice = separated_voice(voices, np.deg2rad([170.0, 70.0, -50.0]), 0, SETTINGS[room], rng).samples
     loudness = voice.reshape(-1, 1200).std(axis=1)
     alike = [np.corrcoef(loudness, other.reshape(-1, 1200).std(axis=1))[0, 1] for other in voices]
     assert alike[0] > least
@@ -86,7 +87,7 @@ def test_every_separated_voice_is_scored_against_every_print(monkeypatch):
         for name, sound in clips.items()
     ]
     monkeypatch.setattr(voiceprint_study, "RATE", VOICE_RATE)
-    heard = [(3.0, True, voices, voice.name, voice.speech) for voice in voices]
+    heard = [(3.0, True, voices, voice.name, Clip(voice.speech)) for voice in voices]
     monkeypatch.setattr(voiceprint_study, "scenes", lambda *_: iter(heard))
     made = []
     monkeypatch.setattr(voiceprint_study, "enrol", lambda *told: made.append((told[0], enrol(*told))) or made[-1][1])

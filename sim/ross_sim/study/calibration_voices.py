@@ -102,9 +102,9 @@ def heard_in_rooms(corpus: str, groups: Sequence[Sequence[TalkerVoice]], work: P
             def made(room: str = room, where: int = where, number: int = number, fold: int = fold) -> dict[str, Array]:
                 rng = np.random.default_rng([seed, 4, where, number])
                 arrays: dict[str, Array] = {}
-                for seconds, separated, _, talker, signal in scenes(groups[fold], room, rng):
+                for seconds, separated, _, talker, clip in scenes(groups[fold], room, rng):
                     if separated:
-                        arrays[f"{seconds:g} {talker}"] = sixteen_bits(at_rate(signal, MIXTURE_RATE))
+                        arrays[f"{seconds:g} {talker}"] = sixteen_bits(at_rate(clip.samples, MIXTURE_RATE))
                 return arrays
 
             def measured(path: Path = work / f"{name}.npz", made=made) -> dict[str, Array]:  # type: ignore[no-untyped-def]

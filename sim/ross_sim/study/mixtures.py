@@ -102,14 +102,16 @@ def record(
     *,
     rng: np.random.Generator,
     rate: int = RATE,
+    softer_db: float = 0.0,
 ) -> Mixture:
     """Simulate one recording of ``voices`` (n,) each at ``azimuths`` [rad] with the array at ``heading`` [rad].
 
-    Where exactly the talkers of a true room stand depends on the azimuths alone, so that every target and heading of a
-    layout has the same room.
+    The target may speak softer than the others. Where exactly the talkers of a true room stand depends on the azimuths
+    alone, so that every target and heading of a layout has the same room.
     """
     places = setting.places(azimuths, np.random.default_rng(np.abs(azimuths * 1e6).astype(int)))
     images = images_of(voices, places, heading, setting, rate)
+    images[target] *= 10 ** (-softer_db / 20)
     return noisy(images, tdoa(azimuths, heading, SPACING, SPEED_OF_SOUND), target, snr_db=SNR_DB, rng=rng, rate=rate)
 
 

@@ -16,11 +16,9 @@ from ross_payload.interfaces import Real
 from ross_payload.voiceprint.built_in import BuiltInModel, Parameters
 from ross_payload.voiceprint.embedding_print import unit
 from ross_payload.voiceprint.features import Features
-from ross_sim.study.calibrate_voice_model import logistic
+from ross_sim.study.calibrate_voice_model import BUILT_IN_MARGIN, logistic
 from ross_sim.study.calibration_voices import Heard
 from ross_sim.study.voiceprint_study import CRITERION, DURATIONS, equal_error_rate
-
-MARGIN = 0.5  # a stranger is heard more often than the target, and has to be so far below [nat]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +46,7 @@ def calibrated(learnt: Mapping[int | None, Parameters], corpora: Sequence[Corpus
     measured = [trials(models, corpus) for corpus in corpora]
     fits = [fitted([of[seconds] for of in measured]) for seconds in DURATIONS]
     slopes = np.array([round(slope, 1) for slope, _ in fits])
-    thresholds = np.array([round(threshold + MARGIN / slope, 3) for slope, threshold in fits])
+    thresholds = np.array([round(threshold + BUILT_IN_MARGIN / slope, 3) for slope, threshold in fits])
     found = replace(learnt[None], slopes=slopes, thresholds=thresholds)
     last = corpora[-1].heard  # who speaks for long enough to say something else in every mixture
     lines = []
@@ -100,5 +98,5 @@ def criterion(model: BuiltInModel, heard: Sequence[Heard]) -> float:
                 ratios += [model.calibration.ratio(model.similarity(enrolled, vector), seconds) for _, vector in others]
                 own += [print_.talker == one.talker for one, _ in others]
         slope, threshold = logistic(np.array(ratios), np.array(own))
-        criteria.append(threshold + MARGIN / slope)
+        criteria.append(threshold + BUILT_IN_MARGIN / slope)
     return round(float(np.mean(criteria)), 1)

@@ -22,7 +22,7 @@ from ross_payload.alignment.predicted_gain import best_headings
 from ross_payload.config import Exploit
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import AudioError
-from ross_payload.interfaces import Real
+from ross_payload.interfaces import Clip, Real
 from ross_payload.separation.auto_separator import separator
 from ross_payload.voiceprint import EmbeddingPrint, VoiceModel, enrol, model_folder
 from ross_payload.voiceprint.built_in import read_model
@@ -84,26 +84,26 @@ def trials(
         own = np.random.default_rng([seed, 1])  # the mixtures to be scored are those of clean prints
         prints = {voice.name: pointed_print(voices, voice, room, model, own) for voice in voices}
     for scene in range(draws):
-        for seconds, separated, chosen, talker, signal in scenes(voices, room, rng):
-            heard = at_rate(signal, RATE)
+        for seconds, separated, chosen, talker, clip in scenes(voices, room, rng):
+            heard = at_rate(clip.samples, RATE)
             embedding = model.embed(heard)
             for name, one in prints.items():
                 present = any(other.name == name for other in chosen)
-                value = one.compared(embedding, len(heard) / VOICE_RATE).value
+                value = one.compared(embedding, len(heard) / VOICE_RATE, clip.poorness).value
                 yield Trial(room, scene, seconds, separated, talker, name, present, value)
 
 
 def scenes(
     voices: Sequence[TalkerVoice], room: str, rng: np.random.Generator
-) -> Iterator[tuple[float, bool, list[TalkerVoice], str, Real]]:
-    """Draw one mixture: duration [s], separated or clean, who is in it, whose recording, the recording (n,)."""
+) -> Iterator[tuple[float, bool, list[TalkerVoice], str, Clip]]:
+    """Draw one mixture: duration [s], separated or clean, who is in it, whose recording, the recording."""
     chosen = [voices[int(i)] for i in rng.choice(len(voices), TALKERS, replace=False)]
     azimuths = layouts(TALKERS, 1, rng)[1]
     clips = [excerpt(voice.speech, round(max(DURATIONS) * RATE), rng) for voice in chosen]
     for seconds in DURATIONS:
         heard = [clip[: round(seconds * RATE)] for clip in clips]
         for index, voice in enumerate(chosen):
-            yield seconds, False, chosen, voice.name, heard[index]
+            yield seconds, False, chosen, voice.name, Clip(heard[index])
             yield seconds, True, chosen, voice.name, separated_voice(heard, azimuths, index, SETTINGS[room], rng)
 
 
@@ -116,7 +116,8 @@ def pointed_print(
     size = min(len(talker.enrolment), round(max(DURATIONS) * RATE))
     clips = [talker.enrolment[:size], *(excerpt(voice.speech, size, rng) for voice in chosen)]
     azimuths = layouts(TALKERS, 1, rng)[1]
-    return enrol(separated_voice(clips, azimuths, 0, SETTINGS[room], rng), RATE, model, separated=True)
+    voice = separated_voice(clips, azimuths, 0, SETTINGS[room], rng)
+    return enrol(voice.samples, RATE, model, separated=True)
 
 
 def values_of(part: Sequence[Trial]) -> tuple[Real, Real]:
@@ -186,8 +187,8 @@ def _row(part: Sequence[Trial]) -> str:
 
 def separated_voice(
     voices: Sequence[Real], azimuths: Real, target: int, setting: Setting, rng: np.random.Generator
-) -> Real:
-    """Separate one of several talkers (n,) each at ``azimuths`` [rad] at its best heading in a room, (n,)."""
+) -> Clip:
+    """Separate one of several talkers (n,) each at ``azimuths`` [rad] at its best heading in a room."""
     return separated_at(best_heading(azimuths, target, setting), voices, azimuths, target, setting=setting, rng=rng)
 
 
@@ -197,10 +198,17 @@ def best_heading(azimuths: Real, target: int, setting: Setting) -> float:
 
 
 def separated_at(
-    heading: float, voices: Sequence[Real], azimuths: Real, target: int, *, setting: Setting, rng: np.random.Generator
-) -> Real:
-    """Do as `separated_voice` at any heading [rad]."""
-    recording = record(voices, azimuths, target, heading, setting, rng=rng)
+    heading: float,
+    voices: Sequence[Real],
+    azimuths: Real,
+    target: int,
+    *,
+    setting: Setting,
+    rng: np.random.Generator,
+    softer_db: float = 0.0,
+) -> Clip:
+    """Do as `separated_voice` at any heading [rad]; the target may be softer than the others."""
+    recording = record(voices, azimuths, target, heading, setting, rng=rng, softer_db=softer_db)
     stft = Stft(RATE, FRAME, HOP)
     groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=True))
     index = next(i for i, members in enumerate(groups.members) if target in members)
