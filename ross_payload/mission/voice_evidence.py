@@ -60,8 +60,9 @@ def latest(clips: Sequence[Clip], most: int) -> list[Clip]:
     """Return the last samples of clips, at most so many.
 
     >>> import numpy as np
-    >>> [clip.samples.tolist() for clip in latest([Clip(np.arange(3)), Clip(np.arange(4)), Clip(np.arange(2))], 4)]
-    [[2, 3], [0, 1]]
+    >>> clips = [Clip(np.arange(3)), Clip(np.arange(4), 0.5), Clip(np.arange(2))]
+    >>> [(clip.samples.tolist(), clip.poorness) for clip in latest(clips, 4)]
+    [([2, 3], 0.5), ([0, 1], 0.0)]
     """
     kept: list[Clip] = []
     for clip in reversed(clips):

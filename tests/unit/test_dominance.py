@@ -156,19 +156,27 @@ class Believing(OneGroupEach):
 
 @dataclass
 class Loudness(Likes):
-    """The same voice print, which remembers the peaks of what it was asked about."""
+    """The same voice print, which remembers the peaks of what it was asked about, and how poor that was."""
 
     peaks: set = field(default_factory=set)
+    poorness: set = field(default_factory=set)
+
+    def score_clips(self, clips, rate):
+        self.poorness |= {round(clip.poorness, 2) for clip in clips}
+        return super().score_clips(clips, rate)
 
     def score(self, voice, rate):
         self.peaks.add(round(float(np.abs(voice).max()), 3))
         return super().score(voice, rate)
 
 
-@pytest.mark.parametrize(("si_sdr", "peaks"), [(GOOD, {0.1, 0.2, 0.3}), (POOR, {0.007, 0.163, 0.3})])
-def test_poor_voices_are_compared_by_their_shares_and_heard_as_they_are(si_sdr, peaks):
+@pytest.mark.parametrize(
+    ("si_sdr", "peaks", "poorness"), [(GOOD, {0.1, 0.2, 0.3}, {0.0}), (POOR, {0.007, 0.163, 0.3}, {0.0, 0.16, 1.0})]
+)
+def test_poor_voices_are_compared_by_their_shares_and_heard_as_they_are(si_sdr, peaks, poorness):
     print_ = Loudness(1)
     one = rig(voiceprint=print_, separator=Believing(si_sdr))
     assert one.run().outcome is Outcome.TARGET_FOUND
     assert print_.peaks == peaks
+    assert print_.poorness == poorness
     assert np.abs(one.said(Separated)[-1].voices).max(axis=1) == pytest.approx([0.1, 0.2, 0.3], rel=1e-3)
