@@ -180,3 +180,9 @@ def test_poor_voices_are_compared_by_their_shares_and_heard_as_they_are(si_sdr, 
     assert print_.peaks == peaks
     assert print_.poorness == poorness
     assert np.abs(one.said(Separated)[-1].voices).max(axis=1) == pytest.approx([0.1, 0.2, 0.3], rel=1e-3)
+
+
+def test_a_voice_that_is_scored_alone_is_as_poor_as_it_is():
+    print_ = Loudness(0)
+    Evidence(RATE, print_).alone(Clip(np.full(10, 0.1), 0.7))
+    assert print_.poorness == {0.7}
