@@ -102,7 +102,7 @@ def heard_in_rooms(corpus: str, groups: Sequence[Sequence[TalkerVoice]], work: P
             def made(room: str = room, where: int = where, number: int = number, fold: int = fold) -> dict[str, Array]:
                 rng = np.random.default_rng([seed, 4, where, number])
                 arrays: dict[str, Array] = {}
-                for seconds, separated, _, talker, clip in scenes(groups[fold], room, rng):
+                for seconds, separated, _, talker, clip in scenes(groups[fold], room, rng, whole=True):
                     if separated:
                         arrays[f"{seconds:g} {talker}"] = sixteen_bits(at_rate(clip.samples, MIXTURE_RATE))
                 return arrays

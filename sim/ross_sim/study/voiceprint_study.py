@@ -94,9 +94,12 @@ def trials(
 
 
 def scenes(
-    voices: Sequence[TalkerVoice], room: str, rng: np.random.Generator
+    voices: Sequence[TalkerVoice], room: str, rng: np.random.Generator, *, whole: bool = False
 ) -> Iterator[tuple[float, bool, list[TalkerVoice], str, Clip]]:
-    """Draw one mixture: duration [s], separated or clean, who is in it, whose recording, the recording."""
+    """Draw one mixture: duration [s], separated or clean, who is in it, whose recording, the recording.
+
+    Of separated voices that is what a mission compares, or the ``whole``.
+    """
     chosen = [voices[int(i)] for i in rng.choice(len(voices), TALKERS, replace=False)]
     azimuths = layouts(TALKERS, 1, rng)[1]
     clips = [excerpt(voice.speech, round(max(DURATIONS) * RATE), rng) for voice in chosen]
@@ -104,7 +107,9 @@ def scenes(
         heard = [clip[: round(seconds * RATE)] for clip in clips]
         for index, voice in enumerate(chosen):
             yield seconds, False, chosen, voice.name, Clip(heard[index])
-            yield seconds, True, chosen, voice.name, separated_voice(heard, azimuths, index, SETTINGS[room], rng)
+            heading = best_heading(azimuths, index, SETTINGS[room])
+            clip = separated_at(heading, heard, azimuths, index, setting=SETTINGS[room], rng=rng, whole=whole)
+            yield seconds, True, chosen, voice.name, clip
 
 
 def pointed_print(
@@ -206,13 +211,18 @@ def separated_at(
     setting: Setting,
     rng: np.random.Generator,
     softer_db: float = 0.0,
+    whole: bool = False,
 ) -> Clip:
-    """Do as `separated_voice` at any heading [rad]; the target may be softer than the others."""
+    """Do as `separated_voice` at any heading [rad]; the target may be softer than the others.
+
+    Returned is what a mission compares, or the ``whole`` voice.
+    """
     recording = record(voices, azimuths, target, heading, setting, rng=rng, softer_db=softer_db)
     stft = Stft(RATE, FRAME, HOP)
     groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=True))
     index = next(i for i, members in enumerate(groups.members) if target in members)
-    return dominant(stft.synthesise(groups.signals, recording.mixture.shape[1]), groups.quality, RATE)[index]
+    separated = stft.synthesise(groups.signals, recording.mixture.shape[1])
+    return Clip(separated[index]) if whole else dominant(separated, groups.quality, RATE)[index]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
