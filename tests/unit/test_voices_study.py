@@ -11,7 +11,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clip
 from ross_payload.voiceprint import built_in_model, enrol
 from ross_payload.voiceprint.features import RATE as VOICE_RATE
-from ross_sim.study import voiceprint_study
+from ross_sim.study import calibration_voices, voiceprint_study
 from ross_sim.study.room_settings import SETTINGS
 from ross_sim.study.voiceprint_study import Trial, intervals, separated_voice, summary
 from ross_sim.talkers.speech import TalkerVoice, load_folder
@@ -98,3 +98,14 @@ def test_every_separated_voice_is_scored_against_every_print(monkeypatch):
         voice = next(voice for voice in voices if voice.name == each.talker)
         assert each.value == pytest.approx(prints[each.print_of].score(voice.speech, VOICE_RATE).value)
     assert all(each.value > 0 for each in found if each.talker == each.print_of)
+
+
+def test_the_built_in_model_is_calibrated_by_whole_voices(monkeypatch, tmp_path):
+    voices = [TalkerVoice(name, vowel(220.0, 900.0, seconds=11.0), vowel(220.0, 900.0), RATE) for name in "abc"]
+    monkeypatch.setattr(voiceprint_study, "dominant", lambda separated, *_: [Clip(voice[:9600]) for voice in separated])
+    monkeypatch.setattr(calibration_voices, "ROOMS", ("S1",))
+    monkeypatch.setattr(calibration_voices, "N_SCENES", {"others": 1})
+    monkeypatch.setattr(voiceprint_study, "DURATIONS", (3.0,))
+    calibration_voices.heard_in_rooms("others", [voices], tmp_path, 0)
+    with np.load(tmp_path / "others-S1-00.npz") as kept:
+        assert {len(voice) for voice in kept.values()} == {3 * VOICE_RATE}

@@ -89,8 +89,8 @@ def calibration(model: VoiceModel, speech: Path, rooms: Sequence[str], draws: in
         [list(comparisons(crowd, room, talkers, draws, seed, softer_db=softer)) for room, talkers in where]
         for softer in (0.0, SOFTER_DB)
     )
-    own = model.fingerprint == built_in_model().fingerprint
-    margin, poor_margin = (BUILT_IN_MARGIN, BUILT_IN_MARGIN) if own else (MARGIN, POOR_MARGIN)
+    built_in = model.fingerprint == built_in_model().fingerprint
+    margin, poor_margin = (BUILT_IN_MARGIN, BUILT_IN_MARGIN) if built_in else (MARGIN, POOR_MARGIN)
     alike = [[[each for each in part if each.seconds == seconds] for part in parts] for seconds in HEADINGS_OF]
     (short, long), (low, high) = zip(*(fitted(each, margin) for each in alike), strict=True)
     poor = [each for part in soft for each in part if each.poorness > POOR]
@@ -132,9 +132,8 @@ def comparisons(
         said = [excerpt(voice.speech, round(max(HEADINGS_OF) * RATE), rng) for voice in chosen]
         for target, voice in enumerate(chosen):
             for seconds, clips in heard_of(target, said, azimuths, SETTINGS[room], rng, softer_db=softer_db):
-                weights = [len(clip.samples) / RATE for clip in clips]
-                embeddings = [crowd.model.embed(at_rate(clip.samples, RATE)) for clip in clips]
-                embedding = unit(np.sum([w * one for w, one in zip(weights, embeddings, strict=True)], axis=0))
+                embeddings = [len(clip.samples) * crowd.model.embed(at_rate(clip.samples, RATE)) for clip in clips]
+                embedding = unit(np.sum(embeddings, axis=0))
                 if not embedding.any():
                     continue
                 poorness = poorness_of(clips)

@@ -107,8 +107,7 @@ def scenes(
         heard = [clip[: round(seconds * RATE)] for clip in clips]
         for index, voice in enumerate(chosen):
             yield seconds, False, chosen, voice.name, Clip(heard[index])
-            heading = best_heading(azimuths, index, SETTINGS[room])
-            clip = separated_at(heading, heard, azimuths, index, setting=SETTINGS[room], rng=rng, whole=whole)
+            clip = separated_voice(heard, azimuths, index, SETTINGS[room], rng, whole=whole)
             yield seconds, True, chosen, voice.name, clip
 
 
@@ -191,10 +190,20 @@ def _row(part: Sequence[Trial]) -> str:
 
 
 def separated_voice(
-    voices: Sequence[Real], azimuths: Real, target: int, setting: Setting, rng: np.random.Generator
+    voices: Sequence[Real],
+    azimuths: Real,
+    target: int,
+    setting: Setting,
+    rng: np.random.Generator,
+    *,
+    whole: bool = False,
 ) -> Clip:
-    """Separate one of several talkers (n,) each at ``azimuths`` [rad] at its best heading in a room."""
-    return separated_at(best_heading(azimuths, target, setting), voices, azimuths, target, setting=setting, rng=rng)
+    """Separate one of several talkers (n,) each at ``azimuths`` [rad] at its best heading in a room.
+
+    Returned is what a mission compares, or the ``whole`` voice.
+    """
+    heading = best_heading(azimuths, target, setting)
+    return separated_at(heading, voices, azimuths, target, setting=setting, rng=rng, whole=whole)
 
 
 def best_heading(azimuths: Real, target: int, setting: Setting) -> float:
@@ -213,10 +222,7 @@ def separated_at(
     softer_db: float = 0.0,
     whole: bool = False,
 ) -> Clip:
-    """Do as `separated_voice` at any heading [rad]; the target may be softer than the others.
-
-    Returned is what a mission compares, or the ``whole`` voice.
-    """
+    """Do as `separated_voice` at any heading [rad]; the target may be softer than the others."""
     recording = record(voices, azimuths, target, heading, setting, rng=rng, softer_db=softer_db)
     stft = Stft(RATE, FRAME, HOP)
     groups = separator.batch(stft.analyse(recording.mixture), scene_of(recording, stft, known_noise=True))
