@@ -124,7 +124,7 @@ async def _working(browsers: WebSocketSessions, listening: ListeningSockets) -> 
 
 
 def bound(host: str, port: int) -> socket.socket:
-    """Return a socket that is bound to an address.
+    """Return a socket that is bound to an address, and listens: until one does, two may be bound to the same port.
 
     Raises
     ------
@@ -138,6 +138,7 @@ def bound(host: str, port: int) -> socket.socket:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
         listener.bind(address)
+        listener.listen()
     except OSError as error:
         listener.close()
         raise GroundError(_why(host, port, error)) from error

@@ -12,9 +12,11 @@ import pytest
 from ground_page import audio, browser, page
 from hand_station import PAYLOAD, HandStation, link
 from ports import free_port
+from ross_payload.ground.errors import GroundError
 from ross_payload.ground.model.fleet import MOST_PAYLOADS
 from ross_payload.ground.model.view import SECTIONS
 from ross_payload.ground.web.app import in_background
+from ross_payload.ground.web.server import bound
 from ross_protocols.mavlink.codec import chunks
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.values import Severity
@@ -247,3 +249,10 @@ async def test_a_fault_of_the_page_costs_a_browser_its_socket_and_not_the_page()
                 await asyncio.sleep(0.02)
         await other.next("fleet")
     assert any(isinstance(error, TypeError) for error in told)
+
+
+def test_of_two_that_begin_at_once_one_has_the_port():
+    with bound("127.0.0.1", 0) as first:
+        port = first.getsockname()[1]
+        with pytest.raises(GroundError, match=f"--port {port}: expected a free port, got one in use"):
+            bound("127.0.0.1", port)
