@@ -29,7 +29,6 @@ class Hearing:
     homes: float = 4.0  # in which what was heard of who rests is forgotten [s]
     talks: float = 3.0  # log-likelihood by which a source must explain the frames of one step to be heard [nat]
     count: float = 0.3  # effective counts per unit of weight: neighbouring bins are not independent
-    tells: float = 320.0  # effective counts per second, at most: bins of one time have their errors in common
     most: int = 300  # bins of one step that are told; they count for the others
     used: int = 160  # and of these that are looked at
 
