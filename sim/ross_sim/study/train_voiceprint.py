@@ -41,7 +41,7 @@ from ross_sim.study.voice_factors import discriminants, first_loadings, improved
 from ross_sim.study.voice_pieces import Piece, reader_of, training_pieces, with_speeds
 
 N_SYNTHETIC, SYNTHETIC_SECONDS = 28, 14.0
-N_GAUSSIANS, N_FACTORS, SIZE = 128, 150, 120
+N_GAUSSIANS, N_FACTORS, SIZE = 256, 150, 120
 FRAMES_OF_EACH, N_FRAMES = 17, 60_000  # that the mixture is fitted to
 INDEPENDENCE, SHRINKAGE = 0.2, 0.05
 N_STEPS = 3  # of expectation maximisation
