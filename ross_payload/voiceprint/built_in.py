@@ -34,7 +34,7 @@ FILE = "built_in.npz"
 HALVED = ("means", "deviations", "directions", "cohort")  # float16: rounding moves a score by less than 0.01 nat
 PITCH_QUANTILES = (20, 50, 80)  # [percent]
 USUAL_PITCH, PITCH_SPREAD = 5.0, 0.3  # of the logarithm of F0 / 1 Hz
-POOR = (0.9, -0.313)  # slope [nat] and threshold of poor voices, by `ross_sim.study.calibrate_voice_model`
+POOR = (0.9, -0.306)  # slope [nat] and threshold of poor voices, by `ross_sim.study.calibrate_voice_model`
 SEVERAL = 1.0  # `Embedder.several` [nat], docs/decisions/0119 and 0125
 PITCH_FRAMES = 20.0  # after so many, half of the pitch is believed
 
@@ -50,7 +50,7 @@ class Parameters:
     steps: Real  # [standard deviations], (n_factors,)
     independence: Real  # how many independent frames one frame counts for, ()
     centre: Real  # of factors and pitch, (n_factors + 3,)
-    directions: Real  # in which talkers differ, (n_factors + 3, size)
+    directions: Real  # in which talkers differ, as long as they tell, (n_factors + 3, size)
     cohort: Real  # embeddings of other talkers, of length 1, (n, size)
     slopes: Real  # of the calibration, (2,)
     thresholds: Real  # (2,)

@@ -75,7 +75,7 @@ def test_discriminants_are_those_of_scikit_learn():
     rng = np.random.default_rng(0)
     owners = np.repeat(np.arange(5), 40)
     vectors = 2 * rng.standard_normal((5, 6))[owners] + rng.standard_normal((200, 6)) @ rng.standard_normal((6, 6))
-    centre, directions = discriminants(vectors, [str(owner) for owner in owners], 2, 0.0)
+    centre, directions = discriminants(vectors, [str(owner) for owner in owners], 0.0)
     found = (vectors - centre) @ directions
     other = LinearDiscriminantAnalysis(solver="eigen", n_components=2).fit_transform(vectors, owners)
     for axis in range(2):

@@ -27,7 +27,7 @@ def voices():
 
 @pytest.fixture
 def _small(monkeypatch):
-    for name, size in {"N_GAUSSIANS": 3, "N_FACTORS": 5, "SIZE": 3, "N_STEPS": 2}.items():
+    for name, size in {"N_GAUSSIANS": 3, "N_FACTORS": 5, "N_STEPS": 2}.items():
         monkeypatch.setattr(train_voiceprint, name, size)
     monkeypatch.setattr(voice_pieces, "N_ROUNDS", 1)
     monkeypatch.setattr(voice_pieces, "PIECES", (3.0, 2.0))

@@ -41,9 +41,9 @@ from ross_sim.study.voice_factors import discriminants, first_loadings, improved
 from ross_sim.study.voice_pieces import Piece, reader_of, training_pieces, with_speeds
 
 N_SYNTHETIC, SYNTHETIC_SECONDS = 28, 14.0
-N_GAUSSIANS, N_FACTORS, SIZE = 256, 150, 120
+N_GAUSSIANS, N_FACTORS = 256, 150
 FRAMES_OF_EACH, N_FRAMES = 17, 60_000  # that the mixture is fitted to
-INDEPENDENCE, SHRINKAGE = 0.2, 0.05
+INDEPENDENCE, SHRINKAGE = 0.2, 0.1
 N_STEPS = 3  # of expectation maximisation
 
 
@@ -90,7 +90,7 @@ def trained(
         extract, width = Factors(whole * steps, INDEPENDENCE), sums.shape[1] // N_GAUSSIANS
         each = [np.append(extract.of(counts[i], sums[i].reshape(-1, width)), pitches[i]) for i in kept]
         talkers_of = [names[i] for i in kept]
-        centre, directions = discriminants(np.array(each), talkers_of, SIZE, SHRINKAGE)
+        centre, directions = discriminants(np.array(each), talkers_of, SHRINKAGE)
         learnt[fold] = Parameters(
             **fitted,
             loadings=whole,

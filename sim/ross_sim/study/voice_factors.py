@@ -60,16 +60,21 @@ def improved_loadings(counts: Real, sums: Real, loadings: Real, independence: fl
     return np.asarray(np.concatenate(found) @ np.linalg.cholesky(second / len(counts)))
 
 
-def discriminants(vectors: Real, talkers: Sequence[str], size: int, shrinkage: float) -> tuple[Real, Real]:
-    """Return the centre (n,) and the directions (n, size) in which talkers differ most for how much each varies.
+def discriminants(vectors: Real, talkers: Sequence[str], shrinkage: float) -> tuple[Real, Real]:
+    """Return the centre (n,) and the directions (n, n) in which talkers differ, most for how much each varies first.
 
-    ``vectors`` (m, n) are of ``talkers`` (m,); every talker counts alike.
+    Their length is the share of talkers in all that varies along them, times what makes a talker vary by 1 without it:
+    as in probabilistic discriminant analysis (S. Ioffe, "Probabilistic linear discriminant analysis", Proc. ECCV 2006),
+    a direction counts for as much as it tells of who speaks. ``vectors`` (m, n) are of ``talkers`` (m,); every talker
+    counts alike.
 
     >>> rng = np.random.default_rng(0)
     >>> people = np.repeat([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], 50, axis=0)
     >>> names = np.repeat(["a", "b", "c"], 50).tolist()
-    >>> _, found = discriminants(people + [0.1, 3.0] * rng.standard_normal((150, 2)), names, 1, 0.0)
+    >>> _, found = discriminants(people + [0.1, 3.0] * rng.standard_normal((150, 2)), names, 0.0)
     >>> bool(abs(found[0, 0]) > 10 * abs(found[1, 0]))
+    True
+    >>> bool(np.linalg.norm([0.1, 3.0] * found[:, 0]) > 10 * np.linalg.norm([0.1, 3.0] * found[:, 1]))
     True
     """
     owners = np.array(talkers)
@@ -80,5 +85,6 @@ def discriminants(vectors: Real, talkers: Sequence[str], size: int, shrinkage: f
     between = (means - centre).T @ (means - centre) / len(means)
     n = len(centre)
     within = (1 - shrinkage) * within + shrinkage * np.trace(within) / n * np.eye(n)
-    directions = eigh(between, within, subset_by_index=[n - size, n - 1])[1]
-    return centre, np.asarray(directions[:, ::-1])
+    ratios, directions = eigh(between, within)
+    ratios = np.maximum(ratios, 0)
+    return centre, np.asarray((directions * (ratios / (1 + ratios)))[:, ::-1])
