@@ -61,7 +61,7 @@ class AudioStream:
     rate_hz: int
     address: str
     port: int
-    listeners: int | None  # None: the payload cannot tell, as with RTP
+    listeners: int | None  # None: the payload does not tell; with RTP 1, or 0 when nobody takes it
     records: bool  # what it carries stays on a disk
     gain_db: float
     muted: bool

@@ -22,7 +22,7 @@ EPILOG = "Exit codes: 0 ended by the user, 2 bad input."
 @click.option("--key", type=click.Path(path_type=Path), help="PEM file with the certificate's private key.")
 @click.option("--mavlink-key", type=click.Path(path_type=Path), help="File with the signing key of the payload.")
 @click.option("--system-id", type=SYSTEM_ID, default=254, show_default=True, help="MAVLink id of this program.")
-@click.option("--log", type=click.Path(path_type=Path), help="Folder for a tlog of everything received.")
+@click.option("--log", type=click.Path(path_type=Path), help="Folder for a tlog of everything received and sent.")
 @click.option("--flights", type=click.Path(path_type=Path), help="Folder of recorded flights (default: that of --log).")
 @click.option("--map", "map_file", type=click.Path(path_type=Path), help="MBTiles file with PNG or JPEG tiles.")
 @click.option("--audio-address", default="", help="IPv4 address of this computer for the sound of payloads.")

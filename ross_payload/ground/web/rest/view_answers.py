@@ -178,7 +178,7 @@ class StreamState(Answer):
     rate: int = Field(description="[Hz]")
     address: str
     port: int
-    listeners: int | None = Field(description="null: the payload cannot tell, as with RTP")
+    listeners: int | None = Field(description="null: the payload does not tell; with RTP 1, or 0 when nobody takes it")
     records: bool = Field(description="what it carries stays on a disk")
     gain_db: float
     muted: bool
