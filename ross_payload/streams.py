@@ -47,7 +47,7 @@ class StreamOrder:
     muted: bool | None = None  # None, of a new one: not muted
     address: str = ""  # IPv4, unicast, numeric; empty: where it goes already. A new one needs it
     port: int = 0  # 1 to 65535 with an address
-    codec: str = ""  # "L16" or "opus"; empty: that of the configuration
+    codec: str = ""  # "L16" or "opus"; empty: that which it has, of a new one Opus
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,7 +30,7 @@ FLAGS = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC  # a pipe in 
 
 @dataclass(frozen=True, slots=True)
 class Recordings:
-    """The folder of the sessions, and how fast its files may be read by all clients together [bytes/s]."""
+    """The folder of the sessions, and how fast its files may be read by all clients of one link together [bytes/s]."""
 
     folder: Path
     speed: float

@@ -42,7 +42,7 @@ def _number(_context: click.Context, _parameter: click.Parameter, value: float |
 def command(url: str, out: Path | None, device: str, delay_ms: float, duration: float | None, *, waits: bool) -> None:
     """Play the audio that a payload streams to this computer; print level, delay and losses once a second.
 
-    It ends when the sender stops; with exit code 2 when nothing has arrived for 25 s.
+    It ends when the sender stops; with exit code 2 when nothing more has arrived for 25 s.
 
     URL is rtp://ADDRESS:PORT (an address of this computer; 0.0.0.0 for any; with ?codec=L16&rate=16000 unless it is
     Opus), a session description (a file or an http address that ends in .sdp), or tcp://HOST:PORT.

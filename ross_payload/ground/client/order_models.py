@@ -160,7 +160,7 @@ class StreamOrder(OrderModel):
     azimuth: Maybe[Angle] = omissible("which one [deg]")
     address: Maybe[Address] = omissible("IPv4, of one computer, as the payload reaches it")
     port: Maybe[Port] = omissible()
-    codec: Maybe[Codec] = omissible("of a new one without: that of the payload's configuration")
+    codec: Maybe[Codec] = omissible("of a new one without: Opus")
     gain: Maybe[Gain] = omissible("[dB]")
     muted: Maybe[bool] = omissible()
 
