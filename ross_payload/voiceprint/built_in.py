@@ -50,7 +50,7 @@ class Parameters:
     steps: Real  # [standard deviations], (n_factors,)
     independence: Real  # how many independent frames one frame counts for, ()
     centre: Real  # of factors and pitch, (n_factors + 3,)
-    directions: Real  # in which talkers differ, as long as they tell, (n_factors + 3, size)
+    directions: Real  # in which talkers differ, weighted by how much, (n_factors + 3, size)
     cohort: Real  # embeddings of other talkers, of length 1, (n, size)
     slopes: Real  # of the calibration, (2,)
     thresholds: Real  # (2,)

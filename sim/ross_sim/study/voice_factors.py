@@ -63,10 +63,9 @@ def improved_loadings(counts: Real, sums: Real, loadings: Real, independence: fl
 def discriminants(vectors: Real, talkers: Sequence[str], shrinkage: float) -> tuple[Real, Real]:
     """Return the centre (n,) and the directions (n, n) in which talkers differ, most for how much each varies first.
 
-    Their length is the share of talkers in all that varies along them, times what makes a talker vary by 1 without it:
-    as in probabilistic discriminant analysis (S. Ioffe, "Probabilistic linear discriminant analysis", Proc. ECCV 2006),
-    a direction counts for as much as it tells of who speaks. ``vectors`` (m, n) are of ``talkers`` (m,); every talker
-    counts alike.
+    Along each, the standard deviation within a talker is B / (B + W), the share of the variance that is between
+    talkers: what is projected is the posterior mean of a talker after one recording (S. Ioffe, "Probabilistic linear
+    discriminant analysis", Proc. ECCV 2006). ``vectors`` (m, n) are of ``talkers`` (m,); every talker counts alike.
 
     >>> rng = np.random.default_rng(0)
     >>> people = np.repeat([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], 50, axis=0)
