@@ -30,8 +30,8 @@ class SourceEstimate:
     confidence: float  # probability that a talker is within 10 deg
     earth: bool  # azimuths count from north
     target: bool  # the enrolled voice
-    rate_deg_s: float | None = None  # of the azimuth, clockwise; None: it is not tracked
-    age_s: float | None = None  # since it was last heard, while it is tracked
+    rate_deg_s: float | None  # of the azimuth, clockwise; None: it is not tracked
+    age_s: float | None  # since it was last heard, while it is tracked
 
     @classmethod
     def of(cls, source: Source) -> SourceEstimate:

@@ -81,6 +81,11 @@ def test_every_reference_leads_somewhere_and_every_schema_says_what_it_is(name):
         assert line.partition('"')[0].removeprefix("#/components/schemas/") in SCHEMAS
 
 
+@pytest.mark.parametrize("name", sorted(SCHEMAS.keys() - REQUESTS))
+def test_every_field_of_an_answer_is_always_there(name):
+    assert set(SCHEMAS[name].get("required", ())) == SCHEMAS[name].get("properties", {}).keys()
+
+
 def test_every_problem_of_an_operation_has_a_code():
     statuses = {int(status) for told in operations().values() for status in told["responses"]}
     assert {status for status in statuses if status >= 400} <= CODES.keys()
