@@ -36,7 +36,7 @@ def histogram(itd: Real, weight: Real, grid: Real) -> Real:
     left = np.minimum(place.astype(int), len(grid) - 2)
     share = place - left
     low = np.bincount(left, weight * (1 - share), len(grid))
-    return np.asarray(low + np.bincount(left + 1, weight * share, len(grid)))
+    return np.asarray(low + np.bincount(left + 1, weight * share, len(grid)), float)  # integers when all is lost
 
 
 def histograms(itd: Real, weight: Real, grid: Real, frames: int) -> Real:
@@ -52,7 +52,8 @@ def histograms(itd: Real, weight: Real, grid: Real, frames: int) -> Real:
     left = np.minimum(place.astype(int), n_bins - 2)
     share, cell = place - left, frame // frames * n_bins + left
     counts = np.bincount(cell, weight * (1 - share), n_blocks * n_bins)
-    return np.asarray((counts + np.bincount(cell + 1, weight * share, n_blocks * n_bins)).reshape(n_blocks, n_bins))
+    counts = counts + np.bincount(cell + 1, weight * share, n_blocks * n_bins)
+    return np.asarray(counts.reshape(n_blocks, n_bins), float)
 
 
 def kde(counts: Real, grid: Real, bandwidth: float) -> Real:

@@ -134,7 +134,7 @@ def _clear(spectrogram: Complex, frequencies: Real, frame_period: float, trust: 
     silence = TINY + SILENCE * max(first.max(), second.max())  # running sums leave rounding errors where nothing is
     first, second = np.maximum(first, silence), np.maximum(second, silence)
     power = (first + second) / 2
-    coherence = np.abs(cross) / np.sqrt(first * second)
+    coherence = np.abs(cross) / np.maximum(np.sqrt(first * second), TINY)
     onset = np.maximum(1 - tail(power, np.exp(-frame_period / trust.decay)) / power, 0)
     return cross, power, onset * (coherence > trust.coherence) * (frequencies / frequencies.max())[:, None]
 

@@ -22,6 +22,7 @@ from ross_payload.events import Estimate
 from ross_payload.interfaces import Complex, Observation, Real
 from ross_payload.localization.joint import Joint, Stop, explorer
 from ross_payload.mission.reconsideration import DROPPED
+from ross_payload.plugin_checks import checked_explorer
 
 pytestmark = pytest.mark.lockstep
 
@@ -212,6 +213,18 @@ def test_silence_is_nobody_and_has_no_evidence() -> None:
     silence = np.zeros((2, len(STFT.frequencies), 100), complex)
     seen = joint.observe(silence, STFT.frequencies, 0.0, None)
     assert (seen.weight, seen.peaks) == (0.0, ())
+    assert joint.estimate([seen] * 3).k == 0
+
+
+@pytest.mark.parametrize("dead", [(True, True), (True, False)])
+def test_a_dead_microphone_is_nobody_and_no_fault_of_the_explorer(dead: tuple[bool, bool]) -> None:
+    joint = checked_explorer("joint", lambda: explorer.make(SPACING, SPEED))
+    samples = np.random.default_rng(0).standard_normal((2, 16000)).astype(np.float32)
+    samples[list(dead)] = 0.0
+    spectrogram = STFT.analyse(samples)
+    assert spectrogram.dtype == np.complex64
+    seen = joint.observe(spectrogram, STFT.frequencies, 0.0, None)
+    assert seen.weight == 0.0
     assert joint.estimate([seen] * 3).k == 0
 
 
