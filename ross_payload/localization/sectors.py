@@ -77,6 +77,13 @@ def sectors_of(observation: Observation) -> Sectors:
     return Sectors(np.array([observation.heading]), (observation.features,))
 
 
+def shifted(observation: Observation, angle: float) -> Observation:
+    """Return an observation whose headings were told wrong, ``angle`` [rad] further on."""
+    kept = observation.features
+    features = replace(kept, headings=kept.headings + angle) if isinstance(kept, Sectors) else kept
+    return replace(observation, heading=observation.heading + angle, features=features)
+
+
 def covered(headings: Real, step: float = STEP) -> int:
     """How many steps of half a turn the axes at these headings [rad] cover.
 

@@ -13,6 +13,7 @@ from ross_payload.angles import wrap
 from ross_payload.events import Estimate, Slipped, SourcesEstimated
 from ross_payload.interfaces import Output
 from ross_payload.localization.rotation_estimate import FEWEST, LEAST, common_shift, common_turn
+from ross_payload.localization.sectors import shifted
 from ross_payload.mission.context import Context, Listening, Step, exchange, hop, obey
 from ross_payload.mission.explore import explore
 from ross_payload.mission.orientation_scan import observe
@@ -60,6 +61,8 @@ def _put_right(context: Context, estimate: Estimate, shift: float) -> Step[Estim
     while not context.here.settled:
         yield from hop(context)
     context.explored = [replace(heard, heading=heard.heading - shift) for heard in context.explored]
+    context.observations = [shifted(seen, -shift) for seen in context.observations]
+    context.beliefs = [turned(belief, -shift) for belief in context.beliefs]
     estimate = turned(estimate, -shift)
     context.holding = None
     context.publish(SourcesEstimated(context.time, estimate, rotations=context.rotations, final=True))

@@ -11,6 +11,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.events import Doubted, Estimate, OrientationHeard, Outcome, Slipped, SourceEstimate, SourcesEstimated
 from ross_payload.interfaces import Observation
 from ross_payload.localization.rotation_estimate import common_shift, common_turn
+from ross_payload.localization.sectors import sectors_of, shifted, together
 from ross_payload.mission.context import Context, Listening, hop
 from ross_payload.mission.settings import Tools
 from ross_payload.mission.slip_detection import survey, suspicion
@@ -117,7 +118,17 @@ def test_what_was_heard_is_remembered_with_headings_put_right():
 
     found, _ = Rig(brain()).run()
     assert [math.degrees(source.azimuth) for source in found.sources] == pytest.approx(AZIMUTHS)
-    assert [round(math.degrees(heard.heading)) for heard in context.explored] == [-12, 3, 18]
+    for heard in (context.explored, context.observations):
+        assert [round(math.degrees(each.heading)) for each in heard] == [-12, 3, 18]
+    assert [math.degrees(source.azimuth) for source in context.beliefs[-1].sources] == pytest.approx(AZIMUTHS)
+
+
+def test_headings_that_an_explorer_keeps_are_put_right_with_that_of_the_observation():
+    parts = [Observation(heading, np.zeros(1), np.ones(1), 1.0, features=heading) for heading in (0.1, 0.2, 0.3)]
+    right = shifted(together(parts), -0.1)
+    assert right.heading == pytest.approx(0.1)
+    assert sectors_of(right).headings == pytest.approx([0.0, 0.1, 0.2])
+    assert sectors_of(right).histograms == (0.1, 0.2, 0.3)
 
 
 def test_after_a_slip_the_alignment_is_that_of_the_azimuths_put_right():
