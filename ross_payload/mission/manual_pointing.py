@@ -111,7 +111,7 @@ class _SetPointController:
         """Tell whether nothing is left to do."""
         if self.point.heading is not None or self._context.time - self._since < LINGER:
             return False
-        return self._asked == self._goal and self._context.here.settled
+        return abs(self._asked - self._goal) <= STILL and self._context.here.settled
 
     def _meant(self) -> float:
         """Return the joint angle that the set-point means [rad]; beyond a limit it is the limit."""
@@ -129,8 +129,8 @@ class _SetPointController:
         """Return the goal, or as much of the way as its rate covers in the time to come."""
         if not self.point.rate:
             return self._goal
-        reach = abs(self.point.rate) * (self._context.time - self._since + AHEAD)
-        return self._start + min(max(self._goal - self._start, -reach), reach)
+        reach, way = abs(self.point.rate) * (self._context.time - self._since + AHEAD), self._goal - self._start
+        return self._goal if abs(way) <= reach else self._start + math.copysign(reach, way)
 
     def _tolerance(self, asked: float) -> float:
         """Return how far the motor's goal may be from the one that is wanted [rad]."""

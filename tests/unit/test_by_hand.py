@@ -75,6 +75,15 @@ def test_the_way_is_the_shorter_one_within_the_limits(bench):
     assert one.angle(11.0) == pytest.approx(190, abs=0.01)
 
 
+def test_a_move_at_a_rate_ends_at_the_angle_wherever_it_begins(bench):
+    """From 105.4 deg the way and back is another number than the goal, by rounding."""
+    one = bench()
+    first, second = Point(joint=deg(105.4), number=-1), Point(joint=deg(-14), rate=deg(60), number=-2)
+    one.live(9.0, one.order(0.5, first), one.order(4.5, second))
+    assert one.angle(8.9) == pytest.approx(-14, abs=0.01)
+    assert one.answers(-2) == [Answer.ACCEPTED, Answer.DONE]
+
+
 def test_beyond_a_limit_is_the_limit(bench):
     one = bench(guard={"lower_deg": -50, "upper_deg": 50})
     one.live(12.0, one.order(0.5, Point(joint=deg(80))), one.order(6.0, Point(joint=deg(-120))))
