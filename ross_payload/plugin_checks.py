@@ -257,8 +257,8 @@ def _fault_of_groups(groups: Any, shape: tuple[int, ...], scene: Scene) -> str:
     if fault:
         return fault
     n, most = len(groups.signals), max(scene.n_sources, 2)
-    if n > most:
-        return f"expected at most {most} groups, got {n}"
+    if not 1 <= n <= most:
+        return f"expected 1 to {most} groups, got {n}"
     if len(groups.members) != n:
         return f"expected members of {n} groups, got {len(groups.members)}"
     if any(not 0 <= source < scene.n_sources for group in groups.members for source in group):

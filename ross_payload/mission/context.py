@@ -77,6 +77,14 @@ class Listening:
     rotor_speeds: Real | None = None  # at the beginning of every hop [1/s], (n_hops, n_rotors); None: not known
     around: tuple[Samples, Samples] | None = None  # heard right before and after while the array turned, (2, m) each
 
+    def speeds(self, begin: int, end: int) -> Real | None:
+        """Return the speeds of the rotors from one sample to another [1/s], (m, n_rotors); beyond the ends as there."""
+        if self.rotor_speeds is None:
+            return None
+        each, last = len(self.rotor_speeds) / self.samples.shape[1], len(self.rotor_speeds) - 1
+        hops = np.arange(np.floor(begin * each), max(np.ceil(end * each), np.floor(begin * each) + 1), dtype=int)
+        return np.asarray(self.rotor_speeds[np.clip(hops, 0, last)])
+
 
 @dataclass(slots=True)
 class Context:

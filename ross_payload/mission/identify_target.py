@@ -76,10 +76,11 @@ def separate_piece(context: Context, estimate: Estimate, listening: Listening) -
     if listening.around is None:
         return separate(context, estimate, listening)
     before, after = listening.around
-    whole = replace(listening, samples=np.concatenate([before, listening.samples, after], axis=1))
-    groups, voices = separate(context, estimate, whole)
-    first = before.shape[1]
-    return groups, voices[:, first : first + listening.samples.shape[1]]
+    first, n = before.shape[1], listening.samples.shape[1]
+    samples = np.concatenate([before, listening.samples, after], axis=1)
+    speeds = listening.speeds(-first, n + after.shape[1])
+    groups, voices = separate(context, estimate, replace(listening, samples=samples, rotor_speeds=speeds))
+    return groups, voices[:, first : first + n]
 
 
 def recognise(

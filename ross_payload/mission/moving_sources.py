@@ -43,9 +43,11 @@ def recognise_moving(
     What was heard before counts, too: ``evidence``. Whoever stands well apart in the longest piece adds to it.
     """
     tracker = context.tracker
-    if tracker is None or not (tracker.acts or tracker.turned > start / context.settings.rate):
-        return recognise(context, estimate, listening, evidence)
     rate, n = context.settings.rate, listening.samples.shape[1]
+    if tracker is None or not (tracker.acts or tracker.turned > start / rate):
+        if tracker is not None:
+            tracker.forget((start + n) / rate)
+        return recognise(context, estimate, listening, evidence)
     hops = 1 if listening.headings is None else len(listening.headings)
     count = max(hops, round(100 * n / rate))
     edges = np.round(np.linspace(0, n, count + 1)).astype(int)
@@ -102,14 +104,6 @@ def _headings(listening: Listening, middles: Real) -> Real:
     return np.interp(middles, (np.arange(hops) + 0.5) * n / hops, np.unwrap(listening.headings))
 
 
-def _speeds(listening: Listening, begin: int, end: int) -> Real | None:
-    """Speeds of the rotors in the hops of a part of what was heard, between two samples."""
-    if listening.rotor_speeds is None:
-        return None
-    each = len(listening.rotor_speeds) / listening.samples.shape[1]
-    return listening.rotor_speeds[int(begin * each) : max(int(np.ceil(end * each)), int(begin * each) + 1)]
-
-
 def _joined(context: Context, estimate: Estimate, listening: Listening, found: Sequence[Piece]) -> tuple[Groups, Real]:
     """Separate every piece; return the groups and their voices (n_groups, n_samples) over the whole period."""
     rate, n = context.settings.rate, listening.samples.shape[1]
@@ -119,9 +113,8 @@ def _joined(context: Context, estimate: Estimate, listening: Listening, found: S
     for piece in found:
         begin, end = max(piece.first - around, 0), min(piece.last + around, n)
         aboard = listening.aboard + piece.heading - listening.heading
-        heard = Listening(
-            piece.heading, listening.samples[:, begin:end], aboard=aboard, rotor_speeds=_speeds(listening, begin, end)
-        )
+        speeds = listening.speeds(begin, end)
+        heard = Listening(piece.heading, listening.samples[:, begin:end], aboard=aboard, rotor_speeds=speeds)
         groups, parts = separate(context, _with_azimuths(estimate, piece.azimuths), heard)
         weight = _window(piece, np.arange(begin, end), n, fade)
         for group, part in zip(groups.members, parts, strict=True):
@@ -147,10 +140,14 @@ def _window(piece: Piece, samples: Real, n: int, fade: int) -> Real:
 
 
 def _together(partitions: Sequence[Sequence[tuple[int, ...]]], k: int) -> tuple[tuple[int, ...], ...]:
-    """Sources that were in one group in every piece.
+    """Sources that were in one group in every piece; one that is in no group is alone, with a voice of nothing.
 
     >>> _together([((0, 1), (2,)), ((0, 1), (2,))], 3), _together([((0, 1), (2,)), ((0,), (1, 2))], 3)
     (((0, 1), (2,)), ((0,), (1,), (2,)))
+    >>> _together([((0, 1), ())], 3)
+    ((0, 1), (2,))
     """
-    history = [tuple(next(g for g in groups if source in g) for groups in partitions) for source in range(k)]
+    history = [
+        tuple(next((g for g in groups if source in g), (source,)) for groups in partitions) for source in range(k)
+    ]
     return tuple(tuple(source for source in range(k) if history[source] == each) for each in dict.fromkeys(history))

@@ -82,6 +82,12 @@ def visit(context: Context, promise: Promise, visits: Visits, *, last: bool) -> 
     return target if survives else None
 
 
+def _part(listening: Listening, begin: int, end: int) -> Listening:
+    """What was heard between two samples, as at one heading."""
+    samples, speeds = listening.samples[:, begin:end], listening.speeds(begin, end)
+    return replace(listening, samples=samples, headings=None, rotor_speeds=speeds)
+
+
 def mend(context: Context, estimate: Estimate, source: int, listening: Listening) -> tuple[Estimate, int]:
     """Ask the explorer about what a run has heard; return what to believe now and which source is the target.
 
@@ -93,10 +99,7 @@ def mend(context: Context, estimate: Estimate, source: int, listening: Listening
     earlier = [seen for seen in context.observations if abs(difference(seen.heading, listening.heading)) > spot]
     unit = round(context.settings.unit * context.settings.rate)
     starts = range(0, max(listening.samples.shape[1] - unit, 0) + 1, unit)
-    takes = [
-        observe(context, replace(listening, samples=listening.samples[:, start : start + unit], headings=None))
-        for start in starts
-    ]
+    takes = [observe(context, _part(listening, start, start + unit)) for start in starts]
     beliefs = [explorer.estimate([*earlier, take]) for take in takes]
     counts = Counter(belief.k for belief in beliefs)
     k, votes = counts.most_common(1)[0]

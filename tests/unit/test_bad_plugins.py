@@ -58,9 +58,13 @@ BAD_RESULTS = {
     "nan": (lambda x, s: groups(x, s, signals=np.full((s.n_sources, *x[0].shape), np.nan + 0j)), "got NaN"),
     "dtype": (lambda x, s: groups(x, s, signals=np.stack([x[0].real] * s.n_sources)), "complex numbers, got dtype"),
     "members": (lambda x, s: groups(x, s, members=((0,),)), "expected members of 3 groups, got 1"),
+    "nobody": (
+        lambda x, s: groups(x, s, signals=np.zeros((0, *x[0].shape), complex), members=()),
+        "expected 1 to 3 groups, got 0",
+    ),
     "too many": (
         lambda x, s: groups(x, s, signals=np.stack([x[0]] * 9), members=((),) * 9),
-        "expected at most 3 groups, got 9",
+        "expected 1 to 3 groups, got 9",
     ),
     "index": (lambda x, s: groups(x, s, members=((0,), (1,), (7,))), "expected members from 0 to 2"),
     "masks": (lambda x, s: groups(x, s, masks=np.ones(3)), "masks: expected shape (3, "),

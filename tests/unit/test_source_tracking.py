@@ -254,6 +254,42 @@ def test_a_period_is_separated_piece_by_piece_with_the_delays_of_each():
     assert [score.members for score in found.scores] == [(0,), (1,)]
 
 
+def test_a_separator_that_does_not_know_who_is_in_its_groups_ends_nothing_when_somebody_moves():
+    class Knows:
+        name = "knows"
+
+        def batch(self, spectrogram, scene):
+            return Groups(np.stack([spectrogram[0]] * 2), ((0,), ()), self.name)
+
+    stft, told = Stft(RATE, 512, 128), estimate(0, 90)
+    context = Context(SETTINGS, Tools(ThreeTalkers(), stft, Knows(), stft, Likes(1)))
+    context.tracker = SourceTracker(told, 0, stft, SPACING, SPEED, None, None)
+    context.tracker.moved = [False, True]
+    context.tracker.places = [(t, np.radians([0.0, 90.0 + 20.0 * t])) for t in np.arange(0.0, 4.01, 0.25)]
+    found = recognise_moving(context, told, 0, Listening(0.0, np.full((2, 4 * RATE), 0.1, np.float32)))
+    assert [score.members for score in found.scores] == [(0,), (1,)]
+    assert not found.voices[1].any()
+
+
+def test_where_everybody_was_is_forgotten_also_while_nobody_moves():
+    stft, told = Stft(RATE, 512, 128), estimate(0, 90)
+    context = Context(SETTINGS, Tools(ThreeTalkers(), stft, OneGroupEach(), stft, Likes(1)))
+    context.tracker = SourceTracker(told, 0, stft, SPACING, SPEED, None, None)
+    context.tracker.places = [(t, np.radians([0.0, 90.0])) for t in np.arange(0.0, 4.01, 0.25)]
+    recognise_moving(context, told, 0, Listening(0.0, np.full((2, 3 * RATE), 0.1, np.float32)))
+    assert [time for time, _ in context.tracker.places] == [2.75, 3.0, 3.25, 3.5, 3.75, 4.0]
+
+
+def test_a_part_of_what_was_heard_has_the_rotor_speeds_of_its_own_hops():
+    speeds = np.arange(100.0, 110.0)[:, None]
+    heard = Listening(0.0, np.zeros((2, 1000), np.float32), rotor_speeds=speeds)
+    assert heard.speeds(0, 1000).ravel().tolist() == speeds.ravel().tolist()
+    assert heard.speeds(300, 500).ravel().tolist() == [103, 104]
+    assert heard.speeds(310, 320).ravel().tolist() == [103]
+    assert heard.speeds(-200, 1100).ravel().tolist() == [100, 100, *range(100, 110), 109]
+    assert replace(heard, rotor_speeds=None).speeds(0, 100) is None
+
+
 def test_a_period_in_which_the_array_has_turned_is_cut_also_when_nobody_has_moved():
     heard = []
 
