@@ -191,7 +191,7 @@ class LiveSession:
         """Perform one task; return the order that ends the session, if any."""
         try:
             old, kit = self._context, self._kit()
-        except PluginError as error:
+        except ConfigError as error:  # a plug-in, or a voice model that was changed meanwhile
             self._answer(task, Answer.REFUSED, str(error))
             return None
         self._context = Context(kit.settings, kit.tools, samples=old.samples, last=old.last, pending=old.pending)

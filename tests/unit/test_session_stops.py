@@ -3,6 +3,7 @@
 import pytest
 
 from ross_payload.config import Config
+from ross_payload.errors import ConfigError
 from ross_payload.events import (
     Answer,
     Answered,
@@ -23,7 +24,7 @@ from ross_payload.orders import (
     Stop,
     TurnTo,
 )
-from session_bench import HOP, RATE, Bench, estimate
+from session_bench import HOP, RATE, Bench, estimate, make
 
 
 @pytest.fixture
@@ -325,6 +326,26 @@ def test_what_comes_with_the_order_that_ends_a_task_is_obeyed_after_it(bench):
     assert bench.answers(1)[-1] is Answer.CANCELLED
     assert bench.answers(2) == bench.answers(3) == [Answer.ACCEPTED]
     assert bench.state() is State.IDLE
+
+
+def test_a_task_that_cannot_be_prepared_is_refused_and_the_payload_goes_on():
+    wrong = []
+
+    def prepared(config):
+        if wrong:
+            raise ConfigError("two voice models: which one?")
+        return make(config)
+
+    bench = Bench(make=prepared)
+    bench.hop()
+    wrong.append(True)
+    bench.hop(Park(number=1))
+    bench.over(1)
+    assert (bench.answers(1), bench.reason(1)) == ([Answer.REFUSED], "two voice models: which one?")
+    wrong.clear()
+    bench.hop(Park(number=2))
+    bench.over(2)
+    assert bench.answers(2) == [Answer.ACCEPTED, Answer.DONE]
 
 
 def test_a_stop_that_comes_with_a_task_in_place_of_another_is_obeyed():
