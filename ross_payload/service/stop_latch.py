@@ -80,10 +80,13 @@ class StopLatch:
         """Hops do not stop anything."""
 
     def on_event(self, event: Event, hop: Input) -> None:
-        """Keep the file while stopped; remove it when re-armed, unless another stop is on its way."""
+        """Keep the file while stopped; remove it when re-armed, unless another stop is on its way.
+
+        With a fault the payload is no longer stopped, but idles only after `Home` is done.
+        """
         if isinstance(event, StateChanged) and event.state is State.STOPPED:
             self._wish(keep=True)
-        elif isinstance(event, StateChanged) and event.state is State.IDLE and self._rearmed:
+        elif isinstance(event, StateChanged) and event.state in (State.IDLE, State.DONE) and self._rearmed:
             self._wish(keep=False)
 
     def close(self) -> None:

@@ -97,6 +97,15 @@ def test_nothing_but_arming_again_takes_a_stop_back(latch, state):
     assert not settled(latch).closed
 
 
+def test_a_stop_is_taken_back_when_what_is_left_after_arming_is_a_fault_that_homing_clears(latch):
+    latch.ordered(Stop())
+    latch.ordered(Rearm())
+    latch.on_event(StateChanged(0.0, State.FAULT), None)
+    assert settled(latch).closed
+    latch.on_event(StateChanged(0.0, State.DONE), None)
+    assert not settled(latch).closed
+
+
 def test_a_stop_right_behind_an_arming_stays(latch):
     """The mission says that it is armed before it hears of the second stop."""
     latch.ordered(Stop())
