@@ -13,6 +13,7 @@ from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.open_source import SourceServices
 from ross_payload.errors import AudioEnded, AudioError
 from ross_payload.interfaces import AudioBlock, Clock
+from ross_payload.named_paths import expanded
 
 
 class FileSource:
@@ -108,4 +109,4 @@ class FileSource:
 
 def audio_source(address: str, services: SourceServices) -> FileSource:
     """Make the source ``file:PATH``."""
-    return FileSource(Path(address).expanduser(), services.audio.rate_hz, services.wiring, services.clock)
+    return FileSource(expanded(address), services.audio.rate_hz, services.wiring, services.clock)

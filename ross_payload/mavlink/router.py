@@ -18,6 +18,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clock
 from ross_payload.mavlink.component import Component, Dispatcher, Received
 from ross_payload.mavlink.link import Arrived, Channel, LinkStatus
+from ross_payload.named_paths import expanded
 from ross_payload.transport.link_url import parse
 from ross_payload.transport.open_port import open_port
 from ross_payload.transport.ports import Transport
@@ -200,7 +201,7 @@ class Router(AbstractContextManager["Router"]):
     def _guardian(self, link: LinkConfig) -> Guardian | None:
         if not link.key_file:
             return None
-        key = read_key(Path(link.key_file).expanduser())
+        key = read_key(expanded(link.key_file))
         if self._state is None:
             raise ConfigError(f"link '{link.url}': a key_file needs a folder in which to remember the signing time")
         self._signing = self._signing or SigningTime(self._state, self._unix, self._clock.now())

@@ -21,9 +21,10 @@ from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Services
 from ross_payload.listening.observers import check_listening
+from ross_payload.named_paths import expanded
 from ross_payload.service.assemble import tools_of
 from ross_payload.service.dronecan_node import check_one_id
-from ross_payload.service.state_folder import check_state_folder
+from ross_payload.service.state_folder import check_state_folder, recording_path
 from ross_payload.transport.link_url import parse
 from ross_payload.transport.signing import read_key
 from ross_payload.voiceprint import VoiceStore
@@ -74,6 +75,7 @@ def check(config: Config) -> None:
         with suppress(Damaged):  # it is set aside when the payload starts
             _at("service.target", partial(store.load, name, model))
     check_state_folder(config)
+    recording_path(config)
     checked_options(config)
     check_one_id(config)
     for key, port in _ports(config):
@@ -87,7 +89,7 @@ def _check_links(config: Config) -> None:
     for number, link in enumerate(config.links):
         _at(f"links.{number}.url", partial(parse, link.url))
         if link.key_file:
-            _at(f"links.{number}", partial(read_key, Path(link.key_file).expanduser()))
+            _at(f"links.{number}", partial(_read_key, link.key_file))
     urls = [link.url for link in config.links]
     for number, url in enumerate(urls):
         if url in urls[:number]:
@@ -126,6 +128,10 @@ def _at(key: str, call: Callable[[], T]) -> T:
         return call()
     except ConfigError as error:
         raise type(error)(f"{key}: {error}") from error
+
+
+def _read_key(named: str) -> bytes:
+    return read_key(expanded(named))
 
 
 def _refused(url: str) -> NoReturn:

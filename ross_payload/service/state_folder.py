@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ross_payload.errors import ConfigError
+from ross_payload.named_paths import expanded
 
 if TYPE_CHECKING:  # `ross health` does without it
     from ross_payload.config import Config
@@ -17,7 +18,7 @@ if TYPE_CHECKING:  # `ross health` does without it
 def named_folder(named: str, environment: Mapping[str, str] = os.environ) -> Path:
     """Return the folder of what outlives a restart by its name in a configuration; "" leaves it to the environment."""
     named = named or environment.get("STATE_DIRECTORY", "").partition(":")[0]
-    return Path(named).expanduser() if named else Path.home() / ".local" / "state" / "ross"
+    return _expanded("service.state_dir", named) if named else Path.home() / ".local" / "state" / "ross"
 
 
 def state_path(config: Config, environment: Mapping[str, str] = os.environ) -> Path:
@@ -28,7 +29,7 @@ def state_path(config: Config, environment: Mapping[str, str] = os.environ) -> P
 def recording_path(config: Config, environment: Mapping[str, str] = os.environ) -> Path:
     """Return the folder of the recorded sessions; it need not be there."""
     named = config.recording.folder
-    return Path(named).expanduser() if named else state_path(config, environment) / "recordings"
+    return _expanded("recording.folder", named) if named else state_path(config, environment) / "recordings"
 
 
 def state_folder(config: Config) -> Path:
@@ -61,6 +62,13 @@ def check_state_folder(config: Config) -> None:
         raise _unmade(folder, errno.EEXIST if there == folder else errno.ENOTDIR)
     if there != folder and not os.access(there, os.W_OK | os.X_OK):
         raise _unmade(folder, errno.EACCES)
+
+
+def _expanded(key: str, named: str) -> Path:
+    try:
+        return expanded(named)
+    except ConfigError as error:
+        raise ConfigError(f"{key}: {error}") from error
 
 
 def _unmade(folder: Path, number: int | None) -> ConfigError:

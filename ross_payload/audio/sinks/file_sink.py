@@ -18,6 +18,7 @@ from ross_payload.audio.track_files import AlignedTrack, checked_suffix
 from ross_payload.config.table import Table
 from ross_payload.errors import AudioError, ConfigError, refused_as
 from ross_payload.interfaces import VoiceBlock
+from ross_payload.named_paths import expanded
 
 ROOM_S = 60.0  # of audio for which there must be room: a disk that is full again at once would be full of short files
 WIDTH = 3  # [bytes] of a sample in a file that does not shrink it
@@ -51,7 +52,7 @@ class FileSink:
 
     def __init__(self, options: FileOptions, services: SinkServices) -> None:
         self._told = Path(options.path)  # as others shall read it: not where on this computer
-        named = self._told.expanduser()
+        named = expanded(options.path)
         self._wanted = named if named.parent != Path() or options.path.startswith(".") else services.folder / named
         self._rate = services.rate
         self._path = self._wanted

@@ -1,0 +1,32 @@
+"""Paths that a configuration names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ross_payload.errors import ConfigError
+
+
+def expanded(named: str) -> Path:
+    r"""Return the path that a configuration names; a ``~`` in front is a home folder.
+
+    Raises
+    ------
+    ConfigError
+        When there is no such home, or no file may be named so.
+
+    >>> expanded("~nobody-of-this-name/tones.flac")
+    Traceback (most recent call last):
+    ...
+    ross_payload.errors.ConfigError: expected a path, got '~nobody-of-this-name/tones.flac': no such user
+    >>> expanded("a\0b")
+    Traceback (most recent call last):
+    ...
+    ross_payload.errors.ConfigError: expected a path, got 'a\x00b': it holds a null byte
+    """
+    if "\0" in named:
+        raise ConfigError(f"expected a path, got {named!r}: it holds a null byte")
+    try:
+        return Path(named).expanduser()
+    except RuntimeError as error:
+        raise ConfigError(f"expected a path, got {named!r}: no such user") from error
