@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 from collections.abc import Mapping
@@ -158,13 +159,13 @@ def _calibration(path: Path) -> Calibration:
         told = content.get("poor")  # which is newer than the rest
         slope, threshold = (short, low) if told is None else map(float, told)
         inside = all(-1 < each < 1 for each in (low, high, threshold))
-        if not inside or not all(each > 0 for each in (short, long, slope)):
+        if not inside or not all(0 < each < math.inf for each in (short, long, slope)):
             raise ValueError("slopes above 0 and thresholds between -1 and 1")
         poor = None if told is None else (slope, threshold)
         return Calibration((short, long), (low, high), str(content["source"]), poor)
     except OSError as error:
         raise ConfigError(f"{path}: no calibration can be read: {error.strerror}") from error
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         ends = "[at 3 s, at 10 s]"
         expected = f"{{'slopes': {ends}, 'thresholds': {ends}, 'poor': [slope, threshold], 'source': 'how'}}"
         raise ConfigError(f"{path}: expected a calibration {expected}, got {error}") from error

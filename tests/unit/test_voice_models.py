@@ -110,6 +110,8 @@ def test_a_calibration_is_kept_beside_its_network(folder, file, tmp_path):
         '{"slopes": [1], "thresholds": [0, 0], "source": ""}',
         '{"slopes": [-1, 1], "thresholds": [0, 0], "source": ""}',
         '{"slopes": [1, 1], "thresholds": [0, 1], "source": ""}',
+        '{"slopes": [1e999, 1], "thresholds": [0, 0], "source": ""}',
+        f'{{"slopes": [1{"0" * 400}, 1], "thresholds": [0, 0], "source": ""}}',
         '{"slopes": [1, 1], "thresholds": [0, 0], "source": "", "poor": [0, 0]}',
         '{"slopes": [1, 1], "thresholds": [0, 0], "source": "", "poor": [1, 2]}',
         '{"slopes": [1, 1], "thresholds": [0, 0], "source": "", "poor": 1}',
