@@ -14,6 +14,7 @@ from ross_payload.mavlink import Received, Router
 from ross_payload.transport.async_task import drained
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.vehicle import AUTOPILOT
 
 SCHEME = "mavlink:"
 
@@ -29,7 +30,8 @@ class ReceivedPacket:
 class ComponentPort:
     """A port of one of the payload's components: what is sent are messages, what comes in are `ReceivedPacket`.
 
-    `send` belongs to the pump, like the links.
+    What the autopilot says is heard on links of role ``autopilot`` alone, where there is one: on any other somebody
+    else may say it. `send` belongs to the pump, like the links.
 
     Raises
     ------
@@ -38,9 +40,11 @@ class ComponentPort:
     """
 
     def __init__(self, links: Router, component_id: int) -> None:
-        if not links.status():
+        roles = {link.role for link in links.status()}
+        if not roles:
             raise ConfigError('actuator.options.port = "mavlink:": expected at least one [[links]] table, got none')
         self._links = links
+        self._role_of_autopilot = roles & {"autopilot"} or roles
         self._component = links.component(component_id)
         self._received: SimpleQueue[ReceivedPacket] = SimpleQueue()
         self._closed = False
@@ -59,8 +63,11 @@ class ComponentPort:
         self._closed = True
 
     def _on_packet(self, received: Received) -> None:
-        if not self._closed and received.packet.system_id == self._links.system_id:
-            self._received.put(ReceivedPacket(received.packet, self._component.id))
+        packet = received.packet
+        if self._closed or packet.system_id != self._links.system_id:
+            return
+        if packet.component_id != AUTOPILOT or received.role in self._role_of_autopilot:
+            self._received.put(ReceivedPacket(packet, self._component.id))
 
 
 def opener(links: Router, component_id: int, clock: Clock) -> Callable[[str], Port]:
