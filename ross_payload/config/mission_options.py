@@ -32,7 +32,7 @@ class Explore(Table):
     min_rotations: Annotated[int, Field(ge=1, le=24)] = 4  # rotations at least, even if the explorer is certain earlier
     max_rotations: Annotated[int, Field(ge=1, le=24)] = 12  # rotations at most
     pipelined: bool = False  # try promising alignments before the exploration ends
-    continuous: bool = False  # turn without a pause and listen meanwhile, instead of step by step; `joint` only
+    continuous: bool = False  # turn without a pause and listen meanwhile, not step by step: explorers that can
     rate_deg_s: Annotated[float, Field(ge=5, le=90)] = 20.0  # how fast it turns then
     turn_deg: Annotated[float, Field(ge=90, le=3600)] = 540.0  # how far at most, back and forth
 
