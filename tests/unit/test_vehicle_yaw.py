@@ -14,7 +14,7 @@ from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.vehicle import VehicleAttitude, quaternion
-from ross_protocols.mavlink.vehicle_control import GUIDED, HEARTBEAT, LOITER, RC_CHANNELS
+from ross_protocols.mavlink.vehicle_control import GUIDED, HEARTBEAT, LOITER, OFFBOARD, POSITION, RC_CHANNELS
 from ross_sim.autopilot.flight_modes import CENTRE, Copter
 from ross_sim.autopilot.flying_autopilot import FlyingAutopilot
 from ross_sim.autopilot.yaw_dynamics import Wind, YawDynamics
@@ -341,6 +341,18 @@ def test_when_the_payload_dies_the_vehicle_goes_to_the_last_set_point_and_is_hel
     there = bench.yaw_deg
     bench.clock.sleep(3.0)
     assert bench.yaw_deg == pytest.approx(there, abs=0.1)
+
+
+def test_when_the_payload_dies_a_px4_leaves_offboard_after_a_second_and_stands():
+    bench = in_a_turn("offboard", 0.0)
+    here, fastest = bench.yaw_deg, math.degrees(bench.state.rate)
+    bench.cancel()
+    bench.clock.sleep(0.9)
+    assert bench.modes.mode == OFFBOARD
+    bench.clock.sleep(0.3)
+    assert bench.modes.mode == POSITION
+    bench.clock.sleep(3.0)
+    assert 0 < bench.yaw_deg - here < 0.5 * fastest
 
 
 def test_attitudes_that_stop_end_a_turn():
