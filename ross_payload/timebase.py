@@ -16,6 +16,7 @@ SAMPLES = 16  # round trips kept: the quickest one tells most
 PAUSE = 0.02  # [s] between two answers of ours: nobody needs more
 ANSWER_TIMEOUT_S = 1.0  # [s] that an answer may take
 SLACK = 0.005  # [s] that clocks may have drifted apart since an older round trip
+ORDER_S = 1.0  # by which messages may come out of order [s]
 STEP = 0.5  # [s]: a UNIX time that is off by more is set anew, a smaller difference is worked off
 EASE = 0.1  # of a smaller difference, at a time
 PLAUSIBLE = 4_102_444_800.0  # UNIX time of 2100 [s]: a clock that says more is wrong
@@ -69,6 +70,7 @@ class Timebase:
         self._answered = -math.inf  # when a request was answered last [s]
         self._asked: deque[int] = deque(maxlen=4)  # times of our requests [ns]
         self._trips: deque[tuple[float, float]] = deque(maxlen=SAMPLES)  # round trip, our clock less theirs [s]
+        self._boot = -math.inf  # its latest time since its start [s]
         self._epoch: float | None = None  # UNIX time at 0 of our clock [s]
         self._last = 0
 
@@ -101,6 +103,9 @@ class Timebase:
         elif isinstance(said, TimeSync) and said.answered is not None:
             self._measure(said.asked, said.answered)
         elif isinstance(said, SystemTime) and said.unix is not None and said.unix < PLAUSIBLE:
+            if said.boot < self._boot - ORDER_S:
+                self._trips.clear()  # it has started anew
+            self._boot = said.boot
             self._set(said.unix - (self.local(said.boot) or self._clock.now()))
         elif received.packet.name == "HEARTBEAT":
             self._asked.append(self._nanoseconds())

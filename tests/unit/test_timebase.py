@@ -1,5 +1,7 @@
 """Which time it is, and how the autopilot's clock lies to ours."""
 
+import math
+
 import pytest
 
 from ross_payload.timebase import Timebase
@@ -157,6 +159,26 @@ def test_an_autopilot_that_has_rebooted_counts_anew(bench):
     for ahead in (95.0, 95.0, -3.0):
         trip(bench, 0.02, 0.02, ahead)
     assert timebase.local(clock.now() - 3.0) == pytest.approx(clock.now(), abs=1e-6)
+
+
+def test_the_time_of_an_autopilot_that_has_rebooted_is_believed_before_it_answers(bench):
+    """Its real-time clock runs on, and what it counts from its start begins anew."""
+    clock, voice, timebase = bench
+    trip(bench, 0.02, 0.02, ahead=3600.0)
+    voice.call(Heard(vehicle.system_time(SystemTime(clock.now() + 3600.0, UNIX + clock.now()))))
+    clock.sleep(3.0)
+    voice.call(Heard(vehicle.system_time(SystemTime(1.0, UNIX + clock.now()))))
+    assert timebase.usec() / 1e6 == pytest.approx(UNIX + clock.now(), abs=0.1)
+
+
+@pytest.mark.parametrize("roll", [math.inf, -math.inf, math.nan])
+@pytest.mark.parametrize("sender", [{}, {"role": "ground", "system_id": 77, "component_id": 88}])
+def test_an_attitude_of_impossible_angles_is_nothing(bench, roll, sender):
+    _, voice, _ = bench
+    for roll_and_pitch in ((roll, 0.0), (0.0, roll), (roll, roll)):
+        message = common.MAVLink_attitude_message(0, *roll_and_pitch, 0.1, 0.1, 0.1, 0.1)
+        voice.call(Heard(message, **sender))
+        assert vehicle.read(message) is None
 
 
 def test_we_ask_once_for_every_heartbeat_and_no_more(bench):

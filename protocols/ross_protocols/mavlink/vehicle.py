@@ -149,8 +149,9 @@ def euler(q: Sequence[float]) -> tuple[float, float, float]:
 def _attitude(message: Any) -> VehicleAttitude:
     """Read ATTITUDE; the rates on the wire are about the axes of the body."""
     roll, pitch = message.roll, message.pitch
-    about = message.pitchspeed * math.sin(roll) + message.yawspeed * math.cos(roll)
-    rate = about / math.cos(pitch) if abs(pitch) < STEEP else math.nan
+    rate = math.nan
+    if math.isfinite(roll) and abs(pitch) < STEEP:
+        rate = (message.pitchspeed * math.sin(roll) + message.yawspeed * math.cos(roll)) / math.cos(pitch)
     return VehicleAttitude(message.time_boot_ms / 1e3, clockwise(message.yaw), pitch, roll, -rate)
 
 
