@@ -10,6 +10,7 @@ from pymavlink.dialects.v20 import common
 
 from ross_payload import events, health
 from ross_protocols.mavlink import stream_values, values
+from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import MESSAGES, ross
 from ross_protocols.mavlink.message_map import LAYOUTS, Field
 
@@ -145,6 +146,12 @@ DECLARED = {
     ("NaN", "nan"), ("INT8_MAX", "127"), ("UINT8_MAX", "255"), ("UINT16_MAX", "65535"),
     ("UINT32_MAX", str(2**32 - 1)), ("0", "0.0"),
 }  # fmt: skip
+
+
+def test_an_exploration_of_more_rotations_than_a_byte_holds_is_sent_as_the_most() -> None:
+    status = values.Status(0, 0.0, 0, earth=False, rotation=300, rotation_max=1439)
+    (packet,) = Decoder().feed(Encoder(1, 191).encode(status))
+    assert (packet.message.rotation, packet.message.rotation_max) == (255, 255)
 
 
 def test_a_number_not_known_is_declared_as_such() -> None:

@@ -120,6 +120,7 @@ def compass(angle: float) -> float:
 
 
 INTEGER = Pair(int, int)
+FEW = Pair(lambda count: min(count, UINT8_MAX), int)  # the most stands for as many and more
 NUMBER = Pair(float32, float)
 DIRECTION = Pair(clockwise, clockwise)
 TURNED = Pair(lambda angle: float32(0.0 - angle), lambda wire: 0.0 - wire)  # not wrapped, and never -0.0

@@ -106,7 +106,8 @@ STATUS = Layout(
     ross.MAVLink_ross_status_message,
     TIME
     | EARTH
-    | _same(c.INTEGER, "state", "rotation", "rotation_max")
+    | _same(c.INTEGER, "state")
+    | _same(c.FEW, "rotation", "rotation_max")
     | _same(c.MAYBE_INDEX, "outcome", "k", "target")
     | _same(c.MAYBE_DIRECTION, "heading", "heading_goal", "mount_yaw")
     | _same(c.MAYBE_TURNED, "joint", "joint_rate")
@@ -199,7 +200,7 @@ DENSITY = Layout(
     TIME
     | EARTH
     | _same(c.WRAPPED16, "exploration")
-    | _same(c.INTEGER, "rotation")
+    | _same(c.FEW, "rotation")
     | _same(c.DIRECTION, "heading")
     | _same(c.SHARES, "density")
     | {"itd_first": Field("first", c.MICRO), "itd_last": Field("last", c.MICRO)},

@@ -2279,8 +2279,8 @@ class MAVLink(object):
         mount_yaw                 : Yaw of the base from north. NaN: not known. [rad] (type:float)
         score                     : How much the running target, or the best voice of the last check, sounds like the enrolled one (log-likelihood ratio). (type:float)
         criterion                 : A voice above this score is accepted. (type:float)
-        rotation                  : Rotations made in this exploration (r); 0 at its first orientation. (type:uint8_t)
-        rotation_max              : Rotations of an exploration at most (R). (type:uint8_t)
+        rotation                  : Rotations made in this exploration (r); 0 at its first orientation, UINT8_MAX: so many or more. (type:uint8_t)
+        rotation_max              : Rotations of an exploration at most (R). UINT8_MAX: so many or more. (type:uint8_t)
         k                         : Estimated number of sources (K). UINT8_MAX: no estimate yet. (type:uint8_t)
         target                    : The source that sounds like the target, an index of ROSS_SOURCE. UINT8_MAX: none. (type:uint8_t)
 
@@ -2306,8 +2306,8 @@ class MAVLink(object):
         mount_yaw                 : Yaw of the base from north. NaN: not known. [rad] (type:float)
         score                     : How much the running target, or the best voice of the last check, sounds like the enrolled one (log-likelihood ratio). (type:float)
         criterion                 : A voice above this score is accepted. (type:float)
-        rotation                  : Rotations made in this exploration (r); 0 at its first orientation. (type:uint8_t)
-        rotation_max              : Rotations of an exploration at most (R). (type:uint8_t)
+        rotation                  : Rotations made in this exploration (r); 0 at its first orientation, UINT8_MAX: so many or more. (type:uint8_t)
+        rotation_max              : Rotations of an exploration at most (R). UINT8_MAX: so many or more. (type:uint8_t)
         k                         : Estimated number of sources (K). UINT8_MAX: no estimate yet. (type:uint8_t)
         target                    : The source that sounds like the target, an index of ROSS_SOURCE. UINT8_MAX: none. (type:uint8_t)
 
@@ -2531,7 +2531,7 @@ class MAVLink(object):
         itd_first                 : Time difference of the first point. Positive: microphone 2 leads. [us] (type:float)
         itd_last                  : Time difference of the last point. [us] (type:float)
         exploration               : Number of the exploration; wraps. (type:uint16_t)
-        rotation                  : Rotations made before (r), from 0. (type:uint8_t)
+        rotation                  : Rotations made before (r), from 0. UINT8_MAX: so many or more. (type:uint8_t)
         frame                     : What heading is relative to. (type:uint8_t, values:ROSS_FRAME)
         density                   : The density at equal steps; 255 is its maximum. (type:uint8_t)
 
@@ -2549,7 +2549,7 @@ class MAVLink(object):
         itd_first                 : Time difference of the first point. Positive: microphone 2 leads. [us] (type:float)
         itd_last                  : Time difference of the last point. [us] (type:float)
         exploration               : Number of the exploration; wraps. (type:uint16_t)
-        rotation                  : Rotations made before (r), from 0. (type:uint8_t)
+        rotation                  : Rotations made before (r), from 0. UINT8_MAX: so many or more. (type:uint8_t)
         frame                     : What heading is relative to. (type:uint8_t, values:ROSS_FRAME)
         density                   : The density at equal steps; 255 is its maximum. (type:uint8_t)
 
