@@ -6,7 +6,7 @@ Everything here happens on the thread that polls, and nothing waits.
 
 from __future__ import annotations
 
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, ExitStack
 from datetime import UTC, datetime
@@ -46,18 +46,15 @@ class SentFrames:
     """The latest frames that went out on any link, whoever has signed them since: to know them when they come back."""
 
     def __init__(self) -> None:
-        self._order: deque[int] = deque()
-        self._known: set[int] = set()
+        self._known: OrderedDict[int, None] = OrderedDict()  # the latest last
 
     def note(self, frame: bytes) -> None:
         """Remember a frame."""
         mark = _mark(frame)
-        if mark in self._known:
-            return
-        self._known.add(mark)
-        self._order.append(mark)
-        if len(self._order) > MOST_SENT:
-            self._known.remove(self._order.popleft())
+        self._known[mark] = None
+        self._known.move_to_end(mark)  # the same beat comes again after 256 frames
+        if len(self._known) > MOST_SENT:
+            self._known.popitem(last=False)
 
     def __contains__(self, frame: bytes) -> bool:
         """Tell whether we have sent a frame: the same sequence number, sender, message and payload."""

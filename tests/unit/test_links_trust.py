@@ -6,6 +6,8 @@ import pytest
 
 from links_bench import Bench
 from ross_payload.config import Link
+from ross_payload.mavlink.router import MOST_SENT, SentFrames
+from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.values import Health, Heartbeat, Severity, Text
 
@@ -94,6 +96,16 @@ def test_our_own_voice_is_not_heard_when_it_comes_back_on_any_link() -> None:
     assert bench.heard == []
     assert bench.links.twin is None
     assert [status.twins for status in bench.links.status()] == [0, 0]
+
+
+def test_a_frame_that_is_sent_again_is_known_for_as_long_as_a_new_one() -> None:
+    sent, encoder = SentFrames(), Encoder(1, 191)
+    attitudes = (common.MAVLink_attitude_message(time, 0.1, 0.2, 0.3, 0, 0, 0) for time in range(2 * MOST_SENT))
+    beat, *others = (bytes(encoder.encode(attitude)) for attitude in attitudes)
+    for frame in (beat, others[0], beat, *others[1:MOST_SENT]):
+        sent.note(frame)
+    assert beat in sent
+    assert others[0] not in sent
 
 
 def test_a_loop_of_two_links_comes_to_rest() -> None:
