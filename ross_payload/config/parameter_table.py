@@ -109,4 +109,5 @@ def changed(config: Config, name: str, value: float) -> Config:
     old = getattr(config, table)
     said = {field: getattr(old, field) for field in old.model_fields_set}
     new = validated(type(old), said | {key: parameter.checked(value)}, name)
-    return config.model_copy(update={table: new})
+    whole = {field: getattr(config, field) for field in config.model_fields_set}
+    return validated(type(config), whole | {table: new}, name)

@@ -83,6 +83,12 @@ def test_a_change_changes_one_key_and_nothing_else():
     assert before.explore.unit_s == 3.0
 
 
+def test_what_a_file_may_not_say_together_a_parameter_may_not_either(tmp_path):
+    narrow = from_toml(tmp_path, "[guard]\nlower_deg = -40\nupper_deg = 40\n")
+    with pytest.raises(ConfigError, match=r"EXP_CONTINUOUS: .*limits at least 90 deg apart, got 80"):
+        changed(narrow, "EXP_CONTINUOUS", 1.0)
+
+
 def test_whole_numbers_and_switches_keep_their_type():
     config = changed(changed(Config(), "EXP_MAX_ROT", 8.0), "EXP_PIPELINED", 1.0)
     assert (config.explore.max_rotations, type(config.explore.max_rotations)) == (8, int)
