@@ -106,6 +106,9 @@ class CommandProtocol:
     def order(self, who: ComponentId, order: Order) -> int:
         """Order something at once; return the number of what becomes of it."""
         self._give_way(who, order)
+        while len(self._doing) >= MOST_STATUSES and (oldest := self._oldest()) is not None:
+            del self._doing[oldest]
+            self._open.pop(oldest, None)
         self._count += 1
         peer, number = self._peer(who), order.number
         self._doing[self._count] = CommandStatus(self._count, who, order, SENT, self._now, self._now)
@@ -114,13 +117,16 @@ class CommandProtocol:
             repeated=self._now - peer.sent.get(number, -math.inf) < REPEATED_S,
             trusted=self._trusted(peer, order),
         )  # fmt: skip
-        while len(self._doing) > MOST_STATUSES:
-            oldest = next(iter(self._doing))
-            del self._doing[oldest]
-            self._open.pop(oldest, None)
         peer.sent[number] = self._now
         self._send_order(self._open[self._count])
         return self._count
+
+    def _oldest(self) -> int | None:
+        """Return the oldest order that is over, else the oldest that is no stop, which is told until it is answered."""
+        going_on = {number: one for number, one in self._open.items() if not one.over}
+        over = (number for number in self._doing if number not in going_on)
+        others = (number for number, one in going_on.items() if not isinstance(one.order, Stop))
+        return next(over, next(others, None))
 
     def cancel(self, number: int) -> None:
         """Ask to end an order; one that is over stays as it is."""
@@ -176,16 +182,23 @@ class CommandProtocol:
         self._send(long_message(one.order.number, one.order.numbers, who, confirmation), who)
 
     def _give_way(self, who: ComponentId, order: Order) -> None:
-        """What was never answered is not said again after a stop; nor is a cancel after any order: it would end it."""
+        """What was never answered is not said again where it would undo this order.
+
+        That is anything after a stop, a task after another one or a cancel, and a cancel after any order. A task may
+        have been heard all the same: it stays open for its answers.
+        """
         for one in self._of(who):
+            overtaken = self._doing[one.number].reason == OVERTAKEN
             unanswered = one.answered is None and not one.over
-            if unanswered and isinstance(order, Stop) and not isinstance(one.order, Stop):
+            if (unanswered or overtaken) and isinstance(order, Stop) and not isinstance(one.order, Stop):
                 self._end(one, CANCELLED, AFTER_STOP)
             elif unanswered and isinstance(one.order, Cancel):
                 self._end(one, NO_ANSWER, OVERTAKEN)
             elif not one.over and order.replaces(one.order):
                 self._end(one, CANCELLED, REPLACED)
-            elif one.over and one.order.number == order.number:
+            elif unanswered and one.order.task and (order.task or isinstance(order, Cancel)):
+                self._give_up(one, OVERTAKEN)
+            if one.over and one.order.number == order.number:
                 del self._open[one.number]
 
     def _resend(self, one: _OpenCommand) -> None:
@@ -211,9 +224,9 @@ class CommandProtocol:
         one.due = self._now + ACK_TIMEOUT_S
         self._send(cancel_message(one.order.number, one.who), one.who)
 
-    def _give_up(self, one: _OpenCommand) -> None:
+    def _give_up(self, one: _OpenCommand, reason: str = "") -> None:
         one.over, one.due = True, math.inf
-        self._change(one, NO_ANSWER, NOT_ANSWERED if one.answered is None else NO_RESULT)
+        self._change(one, NO_ANSWER, reason or (NOT_ANSWERED if one.answered is None else NO_RESULT))
 
     def _trusted(self, peer: _Peer, order: Order) -> float:
         """Return from when on a final answer is one to this order; a stop is only in doubt after it was re-armed."""

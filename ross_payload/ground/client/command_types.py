@@ -164,3 +164,7 @@ class Record(Order):
     def words(self) -> str:
         """Which of the two."""
         return "start recording" if self.on else "stop recording"
+
+    def replaces(self, other: Order) -> bool:
+        """One of them undoes the other."""
+        return isinstance(other, Record)

@@ -1,5 +1,7 @@
 """Orders to a payload that is scripted: what is said again, what every answer means, and what is shown."""
 
+from collections import Counter
+
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 from client_bench import OVER, US, WHO
 from examples import examples
 from ross_payload.ground.client.command_protocol import CommandProtocol
-from ross_payload.ground.client.command_types import Cancel, Explore, Listen, Rearm, Record, Stop, Turn
+from ross_payload.ground.client.command_types import Cancel, Explore, Listen, Park, Rearm, Record, Stop, Turn
 from ross_payload.ground.model.payload_state import PayloadState as Known
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.commands import Result, acknowledgement
@@ -240,7 +242,50 @@ def test_the_latest_fifty_are_kept(script):
         script.orders.order(WHO, Turn(heading))
     assert [doing.words for doing in script.orders.doing] == [f"turn to {h} deg" for h in range(10, 60)]
     script.wait(1.1)
-    assert len(script.heard) == 60 + 50
+    assert len(script.heard) == 60 + 1  # the others would undo the last one
+
+
+def test_of_more_orders_than_are_kept_a_stop_is_told_until_it_is_answered(script):
+    fleet = [ComponentId(system, 191) for system in range(1, 65)]
+    for who in fleet:
+        script.orders.order(who, Stop())
+    for _ in range(60):
+        script.orders.order(WHO, Record(True))
+    script.wait(2.0)
+    told = Counter(message.target_system for _, message in script.heard if message.command == STOP)
+    assert all(told[who[0]] >= 9 for who in fleet)
+    for who in fleet:
+        script.orders.on_state(Known(who, 0.0, script.now, boots=1))
+        script.orders.on_state(Known(who, 0.0, script.now, boots=2))
+    script.orders.order(WHO, Turn(40))
+    assert len(script.orders.doing) == 50
+
+
+@pytest.mark.parametrize("later", [Turn(60), Park(), Cancel()])
+def test_a_task_that_was_not_answered_is_not_said_again_after_a_later_one(script, later):
+    script.orders.order(WHO, Turn(40))
+    script.wait(0.5)
+    script.orders.order(WHO, later)
+    script.wait(6)
+    assert [message.param1 for _, message in script.heard if message.command == TURN][1:] != [40.0]
+    assert sum(message.command == TURN and message.param1 == 40.0 for _, message in script.heard) == 1
+    assert script.orders.doing[0].reason == "another command was sent before it was answered"
+
+
+def test_a_task_that_was_heard_after_all_is_followed_though_another_came(script):
+    script.orders.order(WHO, Explore())
+    script.orders.order(WHO, Park())
+    script.ack(Explore.number, Result.IN_PROGRESS, progress=0.5)
+    assert script.states()[0] == "in_progress"
+
+
+def test_of_start_and_stop_recording_the_later_one_is_meant(script):
+    script.orders.order(WHO, Record(True))
+    script.wait(0.9)
+    script.orders.order(WHO, Record(False))
+    script.wait(3)
+    assert {message.param1 for at, message in script.heard if at > 0.5} == {0.0}
+    assert script.states()[0] == "cancelled"
 
 
 def test_a_result_that_nobody_knows_changes_nothing(script):
