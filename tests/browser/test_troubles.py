@@ -75,6 +75,46 @@ def test_a_stop_that_stops_nobody_says_so(alone, open_page):
     assert fates[1] == [f"No telemetry from 1-191: {other}", f"1-191 has not stopped: {other}", "Stop sent", "Stopped"]
 
 
+def test_a_stop_is_stopped_by_the_answer_to_no_other_order(alone, open_page):
+    page = open_page(alone.url)
+    fates = page.evaluate("""async () => {
+      const { stopFate } = await import("/assets/stop.js");
+      const fate = (words) => {
+        const orders = [["stop", "no_answer"], [words, "done"]].map(([words, state]) => ({ words, state, since: 1 }));
+        const ui = { stop: { ids: ["1-191"], at: performance.now(), now: 1 } };
+        const fleet = { payloads: [{ id: "1-191", state: "run" }] };
+        const store = { payload: { id: "1-191", sections: { orders } }, fleet };
+        return stopFate({ ui, store }).words;
+      };
+      return ["stop recording", "stop stream 2", "stop"].map(fate);
+    }""")
+    assert fates == ["No answer: stop it by other means"] * 2 + ["Stopped"]
+
+
+def test_a_stop_that_was_lost_with_its_socket_is_sent_again_on_the_next_one(lone, open_page):
+    """The network is gone, and the browser does not know it yet: what it sends leaves, and reaches nobody."""
+    ground, _ = lone
+    page = watch(open_page, ground.url)
+    page.evaluate("""() => {
+      globalThis.sent = [];
+      const send = WebSocket.prototype.send;
+      WebSocket.prototype.send = function (text) {
+        if (globalThis.broken) return;
+        globalThis.sent.push(text);
+        send.call(this, text);
+      };
+      globalThis.broken = true;
+    }""")
+    page.get_by_role("button", name="Stop 1-191").click()
+    expect(page.locator(".stop-fate")).to_have_text("Stop sent")
+    page.evaluate("globalThis.broken = false")
+    ground.end()
+    page.locator("#no-ground").wait_for()
+    ground.start()
+    page.locator("#no-ground").wait_for(state="detached")
+    eventually(page, lambda: page.evaluate("globalThis.sent.filter((each) => each.includes('\"stop\"')).length") == 1)
+
+
 @pytest.mark.soak
 def test_what_is_odd_is_told_in_words(lone, open_page):
     ground, payloads = lone

@@ -22,6 +22,7 @@ import { payloadView } from "./views/payload.js";
 
 const LOOK = 250; // [ms] between two drawings when nothing comes: ages grow
 const MOST_LATENCIES = 2000;
+const SAID_AGAIN = 30_000; // [ms] after which a stop is no longer repeated when the link is back
 const VIEWS = { fleet: fleetView, payload: payloadView, map: mapView, flights: flightsView };
 
 /** Everything a view needs: what is known, how the screen is, and how to change either. */
@@ -38,7 +39,7 @@ class Page {
       drag: null,
       stop: null,
       filter: "",
-      drafts: {},
+      drafts: new Map(),
       seeks: {},
       upload: null,
       map: null,
@@ -94,7 +95,8 @@ class Page {
       this.send({ type: "flight", slot, seek: each.flight.at });
       if (each.payload) this.send({ type: "flight", slot, watch: each.payload.id });
     }
-    if (this.ui.stop?.waiting) this.stop(this.ui.stop.ids);
+    const { stop } = this.ui; // one that seemed to leave may have been lost with the old socket
+    if (stop && !stop.confirmed && (stop.waiting || performance.now() - stop.at < SAID_AGAIN)) this.stop(stop.ids);
   }
 
   changeSocket(socket) {
@@ -114,7 +116,7 @@ class Page {
   watch(id) {
     this.listening.stop(); // what is heard is what is on the screen
     this.store = watching(this.store, id);
-    this.ui = { ...this.ui, selected: null, hovered: null, drag: null, cursor: null, drafts: {}, filter: "", enrolling: null };
+    this.ui = { ...this.ui, selected: null, hovered: null, drag: null, cursor: null, drafts: new Map(), filter: "", enrolling: null };
     this.send(id ? { type: "watch", id } : { type: "unwatch" });
   }
 

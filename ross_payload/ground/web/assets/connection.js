@@ -6,6 +6,7 @@
 
 const FIRST_RETRY = 200; // [ms]
 const LONGEST_RETRY = 2000; // [ms]
+const LONGEST_SILENCE = 10_000; // [ms]: the ground process says something every second
 const MOST_REFUSALS = 5;
 const RATE_SPAN = 5; // [s] over which rates are taken
 
@@ -117,19 +118,33 @@ export const closed = (store, slot) => ({ ...store, slots: { ...store.slots, [sl
 export function connect(address, on) {
   let socket = null;
   let wait = FIRST_RETRY;
+  let heard = 0;
   const open = () => {
-    socket = new WebSocket(address());
-    socket.addEventListener("open", () => {
+    const mine = new WebSocket(address());
+    const listen = (name, call) => mine.addEventListener(name, (event) => mine === socket && call(event));
+    socket = mine;
+    listen("open", () => {
       wait = FIRST_RETRY;
+      heard = performance.now();
       on.up();
     });
-    socket.addEventListener("message", (event) => receive(event.data, on.message));
-    socket.addEventListener("close", () => {
-      on.down();
-      setTimeout(open, wait);
-      wait = Math.min(wait * 2, LONGEST_RETRY);
+    listen("message", (event) => {
+      heard = performance.now();
+      receive(event.data, on.message);
     });
+    listen("close", lost);
   };
+  const lost = () => {
+    socket = null;
+    on.down();
+    setTimeout(open, wait);
+    wait = Math.min(wait * 2, LONGEST_RETRY);
+  };
+  setInterval(() => {
+    if (socket?.readyState !== WebSocket.OPEN || performance.now() - heard < LONGEST_SILENCE) return;
+    socket.close(); // the network is gone: it would not notice for minutes
+    lost();
+  }, 1000);
   open();
   return {
     send(message) {

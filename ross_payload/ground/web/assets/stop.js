@@ -50,6 +50,6 @@ function fateOf(page, id, stop) {
 }
 
 function latestStop(orders, since) {
-  const stops = (orders ?? []).filter((each) => each.words.startsWith("stop") && each.since >= (since ?? 0) - 1);
+  const stops = (orders ?? []).filter((each) => each.words === "stop" && each.since >= (since ?? 0) - 1);
   return stops.at(-1) ?? null;
 }

@@ -71,7 +71,7 @@ function listing(page, told, shown, total) {
 }
 
 function row(page, told, each) {
-  const draft = page.ui.drafts[each.name];
+  const draft = page.ui.drafts.get(each.name);
   const flaw = draft === undefined ? null : wrong(each, draft);
   const id = `p-${each.name}`;
   return html`<tr data-state=${each.state}>
@@ -110,15 +110,15 @@ function row(page, told, each) {
 }
 
 function redraft(page, each, text) {
-  const drafts = { ...page.ui.drafts };
-  if (text === undefined || text === plain(each.value)) delete drafts[each.name];
-  else drafts[each.name] = text;
+  const drafts = new Map(page.ui.drafts);
+  if (text === undefined || text === plain(each.value)) drafts.delete(each.name);
+  else drafts.set(each.name, text);
   page.change({ drafts });
 }
 
 function submit(page, told, each, event) {
   event.preventDefault();
-  const draft = page.ui.drafts[each.name];
+  const draft = page.ui.drafts.get(each.name);
   if (draft === undefined || wrong(each, draft) !== null) return;
   page.send({ type: "set", id: told.id, name: each.name, value: Number(draft) });
   redraft(page, each, undefined);
