@@ -61,7 +61,7 @@ class ParamClient:
         self._us = ComponentId(system_id, component_id)
         self._boots: int | None = None
         self._now = 0.0
-        self.refresh()
+        self._begin()
 
     @property
     def values(self) -> dict[str, float]:
@@ -83,7 +83,13 @@ class ParamClient:
         return self._settings[name].state, self._settings[name].reason
 
     def refresh(self) -> None:
-        """Forget everything, and ask for it again with the next `tick`."""
+        """Ask for everything again with the next `tick`; what is being set goes on."""
+        under_way = {name: setting for name, setting in self._settings.items() if setting.state == SENDING}
+        self._begin()
+        self._settings |= under_way
+
+    def _begin(self) -> None:
+        """Forget everything, and ask for it with the next `tick`."""
         self._settings: dict[str, _Parameter] = {}
         self._names: dict[int, str] = {}  # by index
         self._count: int | None = None
@@ -120,7 +126,7 @@ class ParamClient:
     def on_state(self, payload: PayloadState) -> None:
         """Learn of the payload, whenever it is heard: one that started anew may have other parameters."""
         if self._boots is not None and payload.boots > self._boots:
-            self.refresh()
+            self._begin()
         self._boots = payload.boots
 
     def on_packet(self, packet: Packet, now: float) -> None:
@@ -176,7 +182,7 @@ class ParamClient:
             if self._now - self._began < LIST_TIMEOUT_S:
                 self.note = UNSTEADY
                 return
-            self.refresh()  # another set of parameters
+            self._begin()  # another set of parameters
         if answer.index is not None and answer.index < count:
             self._count = count
             self._names[answer.index] = answer.name

@@ -155,6 +155,18 @@ def test_a_payload_that_tells_nothing_about_its_parameters_still_shows_them(scri
     assert script.settings.notes() == ["the payload provides no parameter metadata"]
 
 
+def test_what_is_being_set_goes_on_when_somebody_asks_for_the_list_again(script):
+    script.tell({"ALPHA": 1.0, "BETA": 2.5})
+    script.settings.set("BETA", 3.0)
+    script.settings.refresh()
+    assert script.settings.state_of("BETA")[0] == "sending"
+    script.wait(3.0)
+    assert script.names().count("PARAM_SET") > 1
+    script.tell({"ALPHA": 1.0, "BETA": 3.0})
+    assert script.settings.state_of("BETA")[0] == "set"
+    assert script.settings.values == {"ALPHA": 1.0, "BETA": 3.0}
+
+
 def test_a_list_that_nobody_answers_is_asked_for_every_five_seconds(script):
     script.wait(20)
     assert script.names() == ["PARAM_REQUEST_LIST"] * 5 or script.names() == ["PARAM_REQUEST_LIST"] * 4
