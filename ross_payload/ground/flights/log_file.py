@@ -22,7 +22,7 @@ SET_AHEAD_US = 86_400_000_000  # [us] by which a clock leaps that was set; less 
 STRAY_US = 1_000_000  # [us] by which one stamp is off both its neighbours when it is wrong
 BOOTED_US = 5_000_000  # [us] after its start no computer runs a program: a clock that says less is a simulation's
 CALENDAR_FROM_US = 946_684_800_000_000  # UNIX time of 2000 [us]: a clock that says less counts from a start
-CALENDAR_UNTIL_US = 253_402_300_800_000_000  # UNIX time of 10000 [us]: no calendar goes further
+CALENDAR_UNTIL_US = 4_102_444_800_000_000  # UNIX time of 2100 [us]: seconds of 32 bits, as of MCAP, end soon after
 
 
 class LogFile:

@@ -78,7 +78,7 @@ class RecentTexts:
         if packet.name != "STATUSTEXT" or not isinstance(packet.value, Text):
             return []
         fresh = self._texts.on_chunk(packet.value, now)
-        self._latest += fresh
+        self._latest = [*self.latest(now), *fresh]
         return fresh
 
     def latest(self, now: float) -> list[StatusText]:

@@ -184,7 +184,7 @@ def _target(bearing: Bearing, bearings: list[Bearing]) -> float | None:
 
 
 def _strength(a: Bearing, b: Bearing) -> float:
-    if not a.weight or not b.weight:
+    if not (a.weight and b.weight and a.weight > 0 and b.weight > 0):
         return 0.0
     return min((math.log(a.weight / b.weight) / STRENGTHS) ** 2, MISSED)
 

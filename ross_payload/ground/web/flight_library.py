@@ -178,7 +178,7 @@ class FlightLibrary(AbstractContextManager["FlightLibrary"]):
         """Yield every flight's name and path; a session goes by the name of its folder."""
         if self._folder is not None and self._folder.is_dir():
             for path in sorted(self._folder.iterdir()):
-                if path.suffix in (TLOG, MCAP) or any((path / log).is_file() for log in LOGS):
+                if path.suffix in (TLOG, MCAP) or _in_folder(path):
                     yield path.name, path
         if self._uploaded is not None:
             brought = sorted(Path(self._uploaded.name).iterdir())
@@ -257,3 +257,11 @@ async def _write(path: Path, chunks: AsyncIterator[bytes]) -> None:
                 file.write(chunk)
     except OSError as error:
         raise UploadRefused(507, f"it cannot be kept: {error.strerror}") from error
+
+
+def _in_folder(path: Path) -> bool:
+    """Whether it is a folder with a flight, as far as we may look into it."""
+    try:
+        return any((path / log).is_file() for log in LOGS)
+    except OSError:
+        return False

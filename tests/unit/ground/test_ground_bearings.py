@@ -1,6 +1,7 @@
 """Where bearings cross: against closed forms, Monte Carlo, an exact ellipsoid, and scenes with ghosts."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -158,6 +159,12 @@ def test_when_nothing_tells_sources_from_ghosts_all_are_shown():
     fixes = cross(seen((20, 60), (40, 60)))
     assert len(fixes) == 4
     assert not any(fix.ghost for fix in fixes)
+
+
+@pytest.mark.parametrize("weight", [-0.5, 0.0, math.nan])
+def test_a_weight_that_is_none_tells_nothing(weight):
+    told = [replace(bearing, weight=weight if bearing.who == A else 0.5) for bearing in seen((20, 60), (40, 60))]
+    assert where(cross(told)) == where(cross(seen((20, 60), (40, 60))))
 
 
 def test_a_source_that_can_only_be_one_thing_makes_ghosts_of_its_other_crossings():

@@ -65,6 +65,20 @@ def make_old(path):
     os.utime(path, (time.time() - 100, time.time() - 100))
 
 
+def test_a_folder_that_nobody_may_look_into_hides_no_flight(folder, monkeypatch):
+    locked, look = folder / "lost+found", Path.is_file
+
+    def refused(path):
+        if locked in path.parents:
+            raise PermissionError(13, "Permission denied", str(path))
+        return look(path)
+
+    locked.mkdir()
+    monkeypatch.setattr(Path, "is_file", refused)
+    with FlightLibrary(folder) as library:
+        assert "two.tlog" in {each["name"] for each in library.known()}
+
+
 def test_a_flight_that_is_still_written_is_listed_and_not_read_again_and_again(folder):
     flights = FlightLibrary(folder)
     rows = {each["name"]: each for each in flights.known()}
