@@ -10,6 +10,7 @@ another mode ends a turn, and nothing begins it again but an operator. A stop is
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from ross_payload.actuators.driver_shell import Driver, DriverBackend, DriverShell, Move, Request, capabilities_of
 from ross_payload.actuators.mavlink_gimbal.component_port import ReceivedPacket
@@ -108,6 +109,7 @@ class VehicleYaw(Driver):
         commands = self._commands
         if commands is None:
             return
+        commands.look(now)
         if self._matters and (self._fault or self._objection(now)):
             self._yield(commands, now)
         if self._pending is not None and not self._ignorance(now):
@@ -115,7 +117,7 @@ class VehicleYaw(Driver):
         self._look_whether_it_follows(commands, now)
         if self._stopping > -math.inf:
             self._go_on_stopping(commands, now)
-        elif self._plan.motion is not None or commands.streams:
+        else:
             self._send_set_point(commands, now)
         if not self._held and self._settled and not commands.streams:
             self._plan.motion = None  # the autopilot holds it, until somebody turns it
@@ -177,17 +179,14 @@ class VehicleYaw(Driver):
         self._pending, self._yielded, self._turning = None, False, True
         if self._plan.motion is None or self._stopping > -math.inf or self._settled:
             self._stopping = -math.inf
-            for message in commands.begin():
-                self._port.send(message)
+            self._send(commands.begin(now))
             self._plan.resume(self._feedback, move, now)
         else:
             self._plan.turn(move, *self._plan.motion.at(now), now)
 
     def _send_set_point(self, commands: YawCommands, now: float) -> None:
-        if commands.streams and self._watch.mode != self._watch.wanted_mode:
-            self._plan.motion = None  # when that mode begins the vehicle shall stay as it is
-        if self._plan.motion is None:
-            self._plan.hold(self._feedback.angle, now)
+        if commands.streams:
+            self._stay(commands, now)
         motion = self._plan.motion
         if motion is None:
             return
@@ -198,7 +197,21 @@ class VehicleYaw(Driver):
         due = self._plan.due(motion, period, now)
         if due is not None:
             rate = max(abs(motion.at(now)[1]), abs(motion.at(now + commands.period)[1]))
-            self._port.send(commands.point(due, rate, now))
+            self._send(commands.point(due, rate, now))
+
+    def _stay(self, commands: YawCommands, now: float) -> None:
+        """Where no turn is under way, stay as the vehicle is; but nowhere while that is not known."""
+        if self._watch.mode != self._watch.wanted_mode:
+            self._plan.motion = None  # when that mode begins the vehicle shall stay as it is
+        known = now - self._feedback.time <= FRESH_S and not commands.missing(now)
+        if self._plan.motion is None and known:
+            sent = self._plan.sent
+            self._plan.hold(self._feedback.angle, now)
+            self._plan.sent = sent  # a stream has its rhythm
+
+    def _send(self, messages: list[Any]) -> None:
+        for message in messages:
+            self._port.send(message)
 
     def _stop(self, now: float) -> None:
         """Have the autopilot end the turn, and expect the vehicle at rest soon."""
@@ -240,7 +253,7 @@ class VehicleYaw(Driver):
                 self._plan.motion = None
         elif now - self._stopping >= STOP_PERIOD_S - ROUNDING_S:
             self._stopping = now
-            self._port.send(commands.stop(motion.plan.goal, now))
+            self._send(commands.stop(motion.plan.goal, now))
 
     def _yield(self, commands: YawCommands, now: float) -> None:
         """End a turn: in another mode it has ended by itself; else the autopilot is told once that it has."""
@@ -254,7 +267,7 @@ class VehicleYaw(Driver):
             return
         self._brake(now)
         if not settled and self._watch.armed and self._watch.mode == self._watch.wanted_mode:
-            self._port.send(commands.stop(self._plan.motion.plan.goal if self._plan.motion else motion.plan.goal, now))
+            self._send(commands.stop(self._plan.motion.plan.goal if self._plan.motion else motion.plan.goal, now))
         if not commands.streams:
             self._plan.motion = None
 
@@ -269,7 +282,7 @@ class VehicleYaw(Driver):
 
     def _ignorance(self, now: float) -> str:
         """Say what has not been told that must be known in a turn; the autopilot has just been asked for it."""
-        return self._watch.ignorance(now) or (self._commands.missing() if self._commands is not None else "")
+        return self._watch.ignorance(now) or (self._commands.missing(now) if self._commands is not None else "")
 
     def _trouble(self, now: float) -> str:
         """Say what is wrong; whether it may be turned matters to a task only."""

@@ -32,6 +32,7 @@ from ross_protocols.mavlink.vehicle_control import (
 ASK_PERIOD_S = 1.0  # between two looks whether messages flow
 ENOUGH = 0.6  # of the rate that was asked for: it is not asked for again
 STICK_STALE_S = 0.3  # a stick that is told more seldom proves nothing
+PLACE_STALE_S = 1.5  # nor a place or a height: nobody is sent back there
 MODE_STALE_S = {ARDUPILOT: 0.3, PX4: 1.2}  # nor a mode; PX4 tells a new one at once, and the same one twice a second
 RATES: dict[int, dict[int, float]] = {  # by autopilot: how often it must tell what [Hz]
     ARDUPILOT: {ATTITUDE: 50.0, HEARTBEAT: 10.0, RC_CHANNELS: 20.0},  # it tells a new mode at once, too
@@ -51,8 +52,8 @@ class FlightWatch:
     multicopter: bool = True
     armed: bool = False
     mode: int = -1
-    position: Position | None = None
-    place: Place | None = None
+    _position: tuple[float, Position] | None = None  # when it was told [s], and which
+    _place: tuple[float, Place] | None = None  # the same
     _mode_times: tuple[float, float] = (-math.inf, -math.inf)  # of the last two reports of the mode [s]
     _stick: float = math.nan  # from its centre [us]
     _stick_times: tuple[float, float] = (-math.inf, -math.inf)  # of the last two reports of the stick [s]
@@ -85,8 +86,18 @@ class FlightWatch:
         if packet.name == "CURRENT_MODE":
             self.mode = message.custom_mode
         elif packet.name == "LOCAL_POSITION_NED":
-            self.place = (message.x, message.y, message.z)
-        self.position = vehicle.position_of(message) or self.position
+            self._place = now, (message.x, message.y, message.z)
+        position = vehicle.position_of(message)
+        if position is not None:
+            self._position = now, position
+
+    def position_at(self, now: float) -> Position | None:
+        """Return where on earth the vehicle is; None: that was not told lately."""
+        return self._position[1] if self._position is not None and now - self._position[0] <= PLACE_STALE_S else None
+
+    def place_at(self, now: float) -> Place | None:
+        """Return where the vehicle is from where its autopilot counts; None: that was not told lately."""
+        return self._place[1] if self._place is not None and now - self._place[0] <= PLACE_STALE_S else None
 
     def due(self, now: float) -> list[Any]:
         """Return the requests for messages that come too seldom."""

@@ -20,16 +20,19 @@ class YawCommands(Protocol):
     period: float  # between set-points while it turns [s]
     streams: bool  # whether set-points must go on for ever, also at rest
 
-    def missing(self) -> str:
+    def look(self, now: float) -> None:
+        """Take in where the vehicle is; called before anything else is asked."""
+
+    def missing(self, now: float) -> str:
         """Say what must be known before it can be turned; empty when nothing is missing."""
 
-    def begin(self) -> list[Any]:
+    def begin(self, now: float) -> list[Any]:
         """Return what comes before the first set-point of a turn."""
 
-    def point(self, yaw: float, rate: float, now: float) -> Any:
-        """Return the set-point for a yaw [rad], to be reached at ``rate`` [rad/s]."""
+    def point(self, yaw: float, rate: float, now: float) -> list[Any]:
+        """Return the set-point for a yaw [rad], to be reached at ``rate`` [rad/s]; none while something is missing."""
 
-    def stop(self, yaw: float, now: float) -> Any:
+    def stop(self, yaw: float, now: float) -> list[Any]:
         """Return what ends a turn: the autopilot holds its yaw, about at ``yaw`` [rad]."""
 
 
@@ -41,21 +44,24 @@ class GuidedYaw:
     period: float = 0.1
     streams: bool = False
 
-    def missing(self) -> str:
+    def look(self, now: float) -> None:
+        """Need no place: whoever guides the vehicle knows it."""
+
+    def missing(self, now: float) -> str:
         """Say nothing: it needs nothing."""
         return ""
 
-    def begin(self) -> list[Any]:
+    def begin(self, now: float) -> list[Any]:
         """Hold first: only a relative turn begins where the vehicle points, whatever steered its yaw before."""
         return [vehicle_control.hold_yaw(_whom(self.watch))]
 
-    def point(self, yaw: float, rate: float, now: float) -> Any:
+    def point(self, yaw: float, rate: float, now: float) -> list[Any]:
         """Return the turn to a yaw."""
-        return vehicle_control.turn_to(_whom(self.watch), yaw, max(HASTE * rate, LEAST_RATE))
+        return [vehicle_control.turn_to(_whom(self.watch), yaw, max(HASTE * rate, LEAST_RATE))]
 
-    def stop(self, yaw: float, now: float) -> Any:
+    def stop(self, yaw: float, now: float) -> list[Any]:
         """Hold the yaw that its turn has come to."""
-        return vehicle_control.hold_yaw(_whom(self.watch))
+        return [vehicle_control.hold_yaw(_whom(self.watch))]
 
 
 @dataclass(slots=True)
@@ -67,51 +73,64 @@ class HoldYaw:
     streams: bool = False
     _altitude: float = math.nan
 
-    def missing(self) -> str:
-        """Say that the altitude must be known."""
-        return (
-            "" if self.watch.position is not None else "the autopilot does not tell where it is (GLOBAL_POSITION_INT)"
-        )
+    def look(self, now: float) -> None:
+        """Need no place before a turn begins."""
 
-    def begin(self) -> list[Any]:
+    def missing(self, now: float) -> str:
+        """Say that the altitude must be known, as it is now."""
+        told = self.watch.position_at(now) is not None
+        return "" if told else "the autopilot does not tell where it is (GLOBAL_POSITION_INT)"
+
+    def begin(self, now: float) -> list[Any]:
         """Keep the altitude."""
-        position = self.watch.position
+        position = self.watch.position_at(now)
         self._altitude = math.nan if position is None else position.height
         return []
 
-    def point(self, yaw: float, rate: float, now: float) -> Any:
+    def point(self, yaw: float, rate: float, now: float) -> list[Any]:
         """Return the turn to a yaw; PX4 has a rate of its own, MPC_YAWRAUTO_MAX."""
-        return vehicle_control.reposition(_whom(self.watch), yaw, self._altitude)
+        return [vehicle_control.reposition(_whom(self.watch), yaw, self._altitude)]
 
-    def stop(self, yaw: float, now: float) -> Any:
+    def stop(self, yaw: float, now: float) -> list[Any]:
         """Turn to where it can stop."""
         return self.point(yaw, 0.0, now)
 
 
 @dataclass(slots=True)
 class OffboardYaw:
-    """PX4 in Offboard: a stream of a place and a yaw; the place is that where Offboard began."""
+    """PX4 in Offboard: a stream of a place and a yaw; the place is that where Offboard began.
+
+    Offboard that began without it is somebody else's: then there is no place, and no stream.
+    """
 
     watch: FlightWatch
     period: float = 0.05
     streams: bool = True
     _place: Place | None = None
 
-    def missing(self) -> str:
-        """Say that the place must be known."""
-        return "" if self.watch.place is not None else "the autopilot does not tell where it is (LOCAL_POSITION_NED)"
+    def look(self, now: float) -> None:
+        """Before Offboard the place is wherever the vehicle is; in it that stays."""
+        if self.watch.mode != vehicle_control.OFFBOARD:
+            self._place = self.watch.place_at(now)
 
-    def begin(self) -> list[Any]:
+    def missing(self, now: float) -> str:
+        """Say that the place must be known, and before Offboard begins."""
+        if self._place is not None:
+            return ""
+        if self.watch.mode == vehicle_control.OFFBOARD:
+            return "Offboard began before the place was known, or for somebody else: leave it, and choose it again"
+        return "the autopilot does not tell where it is (LOCAL_POSITION_NED)"
+
+    def begin(self, now: float) -> list[Any]:
         """Need nothing: the stream goes on."""
         return []
 
-    def point(self, yaw: float, rate: float, now: float) -> Any:
-        """Return a place and a yaw; before Offboard the place is wherever the vehicle is."""
-        if self.watch.mode != vehicle_control.OFFBOARD or self._place is None:
-            self._place = self.watch.place
-        return vehicle_control.position_target(_whom(self.watch), now, self._place or (0.0, 0.0, 0.0), yaw)
+    def point(self, yaw: float, rate: float, now: float) -> list[Any]:
+        """Return a place and a yaw."""
+        whom, place = _whom(self.watch), self._place
+        return [] if place is None else [vehicle_control.position_target(whom, now, place, yaw)]
 
-    def stop(self, yaw: float, now: float) -> Any:
+    def stop(self, yaw: float, now: float) -> list[Any]:
         """Stay, at a yaw."""
         return self.point(yaw, 0.0, now)
 

@@ -73,6 +73,11 @@ class FlyingAutopilot:
         """The true yaw [rad], counter-clockwise from north, unwrapped."""
         return self.modes.body.yaw
 
+    def withhold(self, number: int) -> None:
+        """Never tell a message again, whoever asks for it."""
+        self._adjustable.discard(number)
+        self._periods.pop(number, None)
+
     def fly_by_hand(self, now: float) -> None:
         """Let the pilot choose another mode."""
         self.modes.enter(OTHER_MODE[self.ardupilot], now)
