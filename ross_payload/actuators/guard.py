@@ -20,6 +20,8 @@ from ross_payload.actuators.motion_monitor import PARKING, MotionMonitor
 from ross_payload.errors import ActuatorError, ActuatorFault, ConfigError, NotHomed, RossError
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, SharedControl
 
+TURNS_ON = "and it still turns after the stop"
+
 
 class Guard:
     """An actuator that obeys limits and stops when in doubt.
@@ -163,11 +165,15 @@ class Guard:
 
     def poll(self, now: float) -> None:
         """Poll the actuator and run the watchdog at ``now`` [s]; whatever a driver raises here is a fault."""
-        trouble = self._polled(now)
+        trouble, at_fault = self._polled(now), bool(self._fault)
+        turns_on = self._monitor.turns_on(now)
         self._polled_at = now
         if trouble:
             self._latch(trouble)
         elif self._failed:
+            self._act(may_park=False)
+        if at_fault and turns_on:
+            self._later = self._later or TURNS_ON
             self._act(may_park=False)
 
     def __enter__(self) -> Self:

@@ -10,6 +10,7 @@ from ross_payload.actuators.guard_checks import STILL_RAD_S, beyond, doubt
 from ross_payload.interfaces import ActuatorState, Capabilities
 
 PARKING, HOMING = "parking", "homing"
+TOLD_AGAIN_S = 1.0  # [s] after which a device that does not come to rest is told to once more
 RUNAWAY_RAD = math.radians(2)  # farther beyond a limit than it was when the goal was given is a runaway [rad]
 
 
@@ -69,6 +70,13 @@ class MotionMonitor:
         rest_by = min(self._rest_by, now + 2 * able.max_speed / able.max_acceleration + 1.0)
         self.forget()
         self._rest_by = rest_by
+
+    def turns_on(self, now: float) -> bool:
+        """Whether it was not at rest in time; asked once in `TOLD_AGAIN_S`."""
+        late = now > self._rest_by
+        if late:
+            self._rest_by = now + TOLD_AGAIN_S
+        return late
 
     def busy(self, state: ActuatorState) -> bool:
         """Whether something moves, should move, or holds a goal."""

@@ -121,7 +121,22 @@ def test_nobody_parks_after_a_stop() -> None:
     on.device.now = replace(on.device.now, rate=1.0)
     on.guard.stop()
     on.clock.sleep(8.0)
-    assert on.device.asked[1:] == ["stop", "stop"]
+    assert on.device.asked[1:] == ["stop"] * 4  # at once, when it was to be at rest, and every second since
+
+
+def test_a_device_that_turns_on_with_any_fault_is_told_to_stop_every_second() -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.device.now = replace(on.device.now, rate=1.0, fault="overheated", healthy=False)
+    on.clock.sleep(20.0)
+    assert set(on.device.asked[1:]) == {"stop"}
+    assert 13 <= len(on.device.asked) <= 17
+    assert on.guard.state().fault == "overheated; and it still turns after the stop"
+    on.device.now = replace(on.device.now, rate=0.0)
+    on.clock.sleep(1.0)
+    asked = len(on.device.asked)
+    on.clock.sleep(5.0)
+    assert len(on.device.asked) == asked
 
 
 @pytest.mark.parametrize("lost", [{"homed": False}, {"healthy": False}])
