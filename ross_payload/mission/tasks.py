@@ -220,7 +220,7 @@ def _home(context: Context) -> Step[Result]:
     obey(context, heard.orders)
     last, was_well = end, False
     while (heard.fault or not heard.settled) and context.samples < last:  # nothing settles before it is armed
-        heard = yield from exchange(context, Output(rearm=True))
+        heard = yield from exchange(context, Output(rearm=not was_well))
         obey(context, heard.orders)
         was_well = was_well or not heard.fault
         if was_well:  # what begins now is another fault, and finding the zero does not clear it

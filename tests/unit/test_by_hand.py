@@ -9,7 +9,7 @@ import pytest
 from examples import in_soak
 from hand_bench import Base, HandBench
 from ross_payload.events import Answer, Finished, State
-from ross_payload.orders import Cancel, Explore, Point, Rearm, Stop
+from ross_payload.orders import Cancel, Explore, Home, Point, Rearm, Stop
 from ross_payload.sessions.input_log import order_of
 
 
@@ -82,6 +82,21 @@ def test_a_move_at_a_rate_ends_at_the_angle_wherever_it_begins(bench):
     one.live(9.0, one.order(0.5, first), one.order(4.5, second))
     assert one.angle(8.9) == pytest.approx(-14, abs=0.01)
     assert one.answers(-2) == [Answer.ACCEPTED, Answer.DONE]
+
+
+def test_a_homing_that_takes_too_long_is_a_fault_and_no_zero(bench):
+    """The guard latches it, and nobody may take it back but an operator."""
+    search = {
+        "zero": "switch",
+        "home_direction": "counter-clockwise",
+        "home_offset_deg": 150.0,
+        "home_speed_deg_s": 10.0,
+    }
+    one = bench(actuator={"kind": "tb6600", "options": search}, guard={"max_move_s": 2.0})
+    one.live(9.0, one.order(0.5, Home(number=7)))
+    assert one.answers(7) == [Answer.ACCEPTED, Answer.FAILED]
+    assert "not homed after 2 s" in one.actuator.state().fault
+    assert not one.actuator.state().homed
 
 
 def test_beyond_a_limit_is_the_limit(bench):
