@@ -27,6 +27,12 @@ def contradiction(seen: GimbalFeedback) -> str:
     return ""
 
 
+def lost_turn(seen: GimbalFeedback) -> str:
+    """Say when it may be a whole turn from where it seems to be."""
+    words = "the gimbal may have turned round while nothing was heard of it: point it ahead; or home, if it has not"
+    return words if seen.unseen else ""
+
+
 def following_error(seen: GimbalFeedback, motion: Motion, now: float) -> str:
     """Say when a gimbal restarts in a move, lags behind it, or stands beside its goal."""
     if seen.time < motion.begin or now - seen.time > STALE_REPORT_S or not (seen.steady or seen.restarted):

@@ -29,6 +29,7 @@ from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
 
 # between those of a gimbal that rests at its goal [s]; a device gives up a manager silent for about 1 s
 HOLD_PERIOD_S = 0.1
+MARGIN_RAD = math.radians(5)  # by which a gimbal that rests at an end of its travel may seem to be beyond it
 RESUME_S = 0.1  # [s] after a silence in which reports that have waited on their way arrive all at once
 SETTLE_TIMEOUT_S = 1.0  # [s] at most after the end of a motion, until control is released
 
@@ -72,12 +73,16 @@ class MavlinkGimbal(Driver):
         """Take in what has arrived."""
         for received in self._port.receive():
             self._on_packet(received, now)
+        seen, able = self._feedback, self.capabilities
+        if self._plan.motion is None and not able.lower - MARGIN_RAD <= seen.angle <= able.upper + MARGIN_RAD:
+            seen.count_anew()  # others have turned it, and not all of it was heard
 
     def obey(self, request: Move | Request, now: float) -> None:
         """Plan, claim control or give it back; a release decelerates: the protocol switches no motors off."""
         if request is Request.HOME:
             self._fault = ""
             self._feedback.clear_doubts()
+            self._feedback.trust_turn()
             if self._peer is not None:
                 self._peer.claim_control(now)
         if isinstance(request, Move) or request in (Request.HOME, Request.TAKE_CONTROL, Request.RELEASE_CONTROL):
@@ -239,6 +244,7 @@ class MavlinkGimbal(Driver):
             or peer.missing(now)
             or self._options.travel_trouble(peer.travel)
             or diagnostics.silence(seen, now, peer.heard_at if isinstance(peer, GimbalManagerClient) else None)
+            or diagnostics.lost_turn(seen)
             or diagnostics.failures(seen, now - self._found_at)
         )
 

@@ -24,6 +24,7 @@ class GimbalFeedback:
     lower: float  # travel [rad]
     upper: float
     max_speed: float  # [rad/s]
+    cable: bool = True  # turns count: a cable ends them
     angle: float = 0.0  # joint angle [rad]
     rate: float = 0.0  # [rad/s]
     time: float = -math.inf  # when it was there [s]; minus infinity: none yet
@@ -31,6 +32,7 @@ class GimbalFeedback:
     failures: int = 0  # flags
     restarted: bool = False  # since somebody looked
     duplicated: bool = False  # two devices report as one
+    unseen: bool = False  # it may have turned round while nothing was heard, and its yaw fits two turns of the travel
     lost_vehicle: bool = False  # a yaw from north came and nobody told where the vehicle points
     _clock: SenderClock = field(default_factory=SenderClock)
     _own: float = -math.inf  # when the device itself reported last [s]
@@ -80,8 +82,12 @@ class GimbalFeedback:
         self.lost_vehicle = False
 
     def count_anew(self) -> None:
-        """Choose the turn inside the travel again: what has no cable may have been turned round and round."""
+        """Choose the turn inside the travel again."""
         self.angle = self._first(wrap(self.angle))
+
+    def trust_turn(self) -> None:
+        """Believe that it has not turned round unseen, as somebody says."""
+        self.unseen = False
 
     def clear_doubts(self) -> None:
         """Forget what contradicted."""
@@ -96,14 +102,22 @@ class GimbalFeedback:
         return vehicle.yaw + vehicle.yaw_rate * (now - time), vehicle.yaw_rate
 
     def _update(self, yaw: float, rate: float | None, time: float) -> None:
-        angle = self.angle + wrap(yaw - self.angle) if self._known else self._first(wrap(yaw))
         passed = time - self.time
+        half = self.cable and math.pi / self.max_speed < passed < math.inf  # long enough for half a turn
+        doubtful = self._known and (half or self.unseen)
+        self.unseen = doubtful and len(self._turns(wrap(yaw))) > 1
+        goes_on = self._known and (self.unseen or not doubtful)
+        angle = self.angle + wrap(yaw - self.angle) if goes_on else self._first(wrap(yaw))
         self.rate = (angle - self.angle) / passed if rate is None and 0 < passed < VEHICLE_TIMEOUT_S else rate or 0.0
-        jumped = self._known and abs(angle - self.angle) > JUMP_RAD + OVERSPEED * self.max_speed * max(passed, 0.0)
+        jumped = goes_on and abs(angle - self.angle) > JUMP_RAD + OVERSPEED * self.max_speed * max(passed, 0.0)
         self._jumps = min(self._jumps + JUMP_WEIGHT, 2 * MAX_JUMPS) if jumped else max(self._jumps - 1, 0)
         self.angle, self.time, self._known = angle, time, True
 
     def _first(self, yaw: float) -> float:
         """Choose a turn inside the travel; where two are, the one near zero."""
+        return next(iter(self._turns(yaw)), yaw)
+
+    def _turns(self, yaw: float) -> list[float]:
+        """Return the joint angles inside the travel that have a yaw, the one near zero first."""
         turns = (yaw, yaw - 2 * math.pi, yaw + 2 * math.pi)
-        return next((turn for turn in turns if self.lower <= turn <= self.upper), yaw)
+        return [turn for turn in turns if self.lower <= turn <= self.upper]

@@ -48,7 +48,7 @@ class SetPoints:
             return
         position, velocity = self.motion.at(now)
         if velocity:
-            self._go(Trapezoid.to_rest(position, velocity, self._able.max_acceleration), now)
+            self._go(self._to_rest(position, velocity), now)
         elif position != self.motion.plan.goal:  # a goal that was given in this very moment
             self._go(Trapezoid.still(position), now)
 
@@ -63,7 +63,7 @@ class SetPoints:
         if move is not None:
             self.turn(move, position, rate, now)
         elif rate:
-            self._go(Trapezoid.to_rest(position, rate, self._able.max_acceleration), now)
+            self._go(self._to_rest(position, rate), now)
         else:
             self.hold(position, now)
 
@@ -71,14 +71,15 @@ class SetPoints:
         """Brake what somebody else turns."""
         position, rate = self._there(seen, now)
         if rate:
-            self.braking = Motion(Trapezoid.to_rest(position, rate, self._able.max_acceleration), now)
+            self.braking = Motion(self._to_rest(position, rate), now)
 
     def due(self, motion: Motion, period: float, now: float) -> float | None:
         """Return the set-point that is due [rad]: where it should be when the next one comes; None: not yet."""
         if now - self.sent < period - ROUNDING_S:
             return None
         self.sent = now
-        return motion.at(now + self.ahead)[0]
+        begin = motion.plan.start  # from beyond the travel it may come back, and nothing goes farther
+        return min(max(motion.at(now + self.ahead)[0], min(self._able.lower, begin)), max(self._able.upper, begin))
 
     def rest(self, seen: GimbalFeedback, resolution: float, now: float) -> tuple[float, float]:
         """Return the rate [rad/s], 0 while it only trembles, and for how long it has rested where it should be [s]."""
@@ -89,6 +90,12 @@ class SetPoints:
         if not (over and there and rate == 0.0) or self.restless == math.inf:
             self.restless = now
         return rate, now - self.restless
+
+    def _to_rest(self, position: float, velocity: float) -> Trapezoid:
+        """Brake; where that would end beyond the travel, come back to its end."""
+        plan = Trapezoid.to_rest(position, velocity, self._able.max_acceleration)
+        end = self._within(plan.goal)
+        return plan if end == plan.goal else Trapezoid(position, end, plan.speed, plan.acceleration, velocity)
 
     def _there(self, seen: GimbalFeedback, now: float) -> tuple[float, float]:
         rate = seen.rate if abs(seen.rate) >= self._still else 0.0

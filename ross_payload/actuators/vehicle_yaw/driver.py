@@ -49,7 +49,7 @@ class VehicleYaw(Driver):
         self._port: Port
         self.capabilities = capabilities_of(options, math.radians(options.resolution_deg), Feedback.MEASURED)
         self._watch = FlightWatch(options)
-        self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, FASTEST_RAD_S)
+        self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, FASTEST_RAD_S, cable=False)
         self._plan = SetPoints(self.capabilities, still=STILL_RAD_S)
         self._commands: YawCommands | None = None
         self._held = False  # somebody holds it for a task: only then it matters whether it may be turned
