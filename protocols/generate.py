@@ -38,8 +38,8 @@ The payload is a MAVLink 2 component: `MAV_TYPE_ONBOARD_CONTROLLER`, no autopilo
 - `HEARTBEAT` every second, and when the state changes. `custom_mode` is the mission's [state](#ross-state);
   `system_status` is `BOOT` before the mission runs, `CALIBRATING` while it measures the noise, `STANDBY` when it is
   idle or over, `ACTIVE` while it listens and turns, `CRITICAL` after a fault;
-- `STATUSTEXT` when something happens that an operator wants to know, not more often than once in 2 s in the long run, but
-  for errors, which are always sent;
+- `STATUSTEXT` when something happens that an operator wants to know, not more often than once in 2 s in the long run,
+  but for errors, which are always sent;
 - `NAMED_VALUE_FLOAT` and `DEBUG_FLOAT_ARRAY` with the most important numbers, for
   [ground stations](../how-to/ground-stations.md) without our dialect;
 - `ONBOARD_COMPUTER_STATUS` every 5 s, from `ross run`: the load of each core, memory, the hottest thermal zone, the
