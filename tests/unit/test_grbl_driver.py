@@ -64,6 +64,19 @@ def test_a_stop_ends_homing():
     bench.homed()
 
 
+def test_a_restart_after_a_homing_that_was_stopped_loses_the_position_too():
+    bench = Bench(zero="switch", home_deg=60.0).open()
+    bench.actuator.home()
+    bench.clock.sleep(0.5)
+    bench.actuator.stop()
+    bench.clock.sleep(1.0)
+    bench.homed()
+    bench.end.afflict(Fault.REBOOT)
+    bench.clock.sleep(3.0)
+    assert (bench.state.homed, bench.state.healthy) == (False, False)
+    assert "grbl has restarted: the position is lost" in bench.state.fault
+
+
 def test_homing_that_finds_no_switch_is_a_fault_in_words():
     bench = Bench({25: 60000.0, 130: 20.0}, zero="switch", home_deg=90.0).open()
     bench.actuator.home()

@@ -66,10 +66,10 @@ class GrblClient:
     def read(self, now: float) -> str:
         """Take in what grbl says; return what is wrong, empty when all is well."""
         self._now = now
-        for message in self._line.read(now):
-            trouble = self._on_message(message)
-            if trouble:
-                return trouble
+        found = [self._on_message(message) for message in self._line.read(now)]
+        trouble = next(filter(None, found), "")
+        if trouble:
+            return trouble
         noise = self._line.noise(now) if self.identified else ""
         self.position_known = self.identified
         return noise
@@ -185,8 +185,10 @@ class GrblClient:
         self._starting, self.homing = True, False
         self._line.forget()
         self._line.send_byte(protocol.RESET)
-        yield from self._fresh_report()
-        self._starting = False
+        try:
+            yield from self._fresh_report()
+        finally:  # also when an alarm ends it: what starts later is a surprise
+            self._starting = False
 
     # ------------------------------------------------------------------------------------------ words
 
