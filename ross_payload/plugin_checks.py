@@ -257,7 +257,7 @@ def _fault_of_groups(groups: Any, shape: tuple[int, ...], scene: Scene) -> str:
     if fault:
         return fault
     n, most = len(groups.signals), max(scene.n_sources, 2)
-    if not 1 <= n <= most:
+    if not min(scene.n_sources, 1) <= n <= most:
         return f"expected 1 to {most} groups, got {n}"
     if len(groups.members) != n:
         return f"expected members of {n} groups, got {len(groups.members)}"

@@ -82,6 +82,7 @@ def qualities(psds: Real, covariances: Real, bonus: float = 0.0) -> tuple[Qualit
     powers = psds * covariances[:, :, :1]
     prior = powers.sum(axis=(0, 2), dtype=float)
     kept = (psds[:, :-1] ** 2 * explained).sum(axis=(0, 2), dtype=float)
+    kept = np.maximum(np.nan_to_num(kept, nan=0.0, posinf=0.0, neginf=0.0), 0.0)  # of what has no inverse nothing
     missed = np.maximum(prior[:-1] - kept, LEAST)
     ratio = _db(kept / missed)
     heard = _db(prior[:-1] / np.maximum(prior.sum() - prior[:-1], LEAST))

@@ -18,6 +18,7 @@ AGAIN = (1,)  # and then for both
 STRONG = 16.0  # bins this many times above the noise count in full
 WEAK = 0.3  # bins below this part of that do not count
 PRIOR_COUNT = 0.3  # bins added to every group's share of a block
+TINY = np.float32(1e-30)
 EVERY = 2  # frames: neighbours overlap
 AT_ONCE = 20000  # time-frequency bins worked on together: they stay in the cache
 
@@ -91,7 +92,7 @@ def _settled(flipped: Real, weight: Real, matrices: Real, weights: Real) -> Real
     likely = likely.reshape(-1, BLOCK, *likely.shape[1:])
     for reach in SETTLE:
         given = shares[:, None] * likely
-        given *= weight.reshape(-1, BLOCK, 1, weight.shape[1]) / given.sum(axis=2, keepdims=True)
+        given *= weight.reshape(-1, BLOCK, 1, weight.shape[1]) / _not_0(given.sum(axis=2, keepdims=True))
         shares = _normed(given.sum(axis=1), weights, reach)
     return shares
 
@@ -108,8 +109,14 @@ def _posteriors(flipped: Real, weight: Real, matrices: Real, shares: Real) -> tu
     inverse = determinant(matrices)[..., None] / cross
     given = (shares[:, None] * inverse.reshape(-1, BLOCK, *inverse.shape[1:])).reshape(inverse.shape)
     given /= cross
-    given *= (weight / given.sum(axis=1))[:, None]
+    given *= (weight / _not_0(given.sum(axis=1)))[:, None]
     return given, inverse
+
+
+def _not_0(total: Real) -> Real:
+    """Sums to divide by; where every group is as coherent as can be they are 0, and the bin is nobody's."""
+    total[np.abs(total) < TINY] = TINY
+    return total
 
 
 def _moments(unit: Real, given: Real, matrices: Real) -> Real:

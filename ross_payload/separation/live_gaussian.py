@@ -27,6 +27,7 @@ LEVEL = 4.0  # time constant of the mean power of the mixture [s]
 ROOM = 0.010  # energy that no direction explains, before it is measured
 PRIOR_COUNT = 3.0  # bins that geometry counts for when covariances are learnt
 PRIOR_FRAMES = 64.0  # that what was known about the room counts for, or nothing
+SILENT = 1e-17  # PSD where nothing is heard: its square is a number, too
 COHERENT = 1 - 1e-4  # no field is more coherent than this
 GUESS = 1e-3  # noise relative to the mean power, before it is measured
 WHITE = np.array([1, 1, 0, 0], np.float32)[:, None]
@@ -82,7 +83,7 @@ class LiveGaussian:
         noise = np.broadcast_to(WHITE, (1, 4, scene.frequencies.size))
         n, n_freqs, both = self.lookahead + 1, scene.frequencies.size, np.concatenate([sources, noise])
         frames, observed = np.zeros((n, 2, n_freqs), np.complex64), np.zeros((n, 4, n_freqs), np.float32)
-        psds = np.full((n + 1, len(members), n_freqs), np.finfo(np.float32).tiny)
+        psds = np.full((n + 1, len(members), n_freqs), SILENT)
         return State(
             members, tau, both, sources, 0, None, None, 0.0, 0, frames, observed, psds[1:] ** np.float32(TIED), psds
         )
@@ -122,7 +123,7 @@ class LiveGaussian:
     def noise_of(self, state: State, scene: Scene) -> Real:
         """Noise PSD as far as it is known, (n_freqs,)."""
         known = scene.noise_psd if scene.noise_psd is not None else state.noise_psd
-        floor = FLOOR * state.level + np.finfo(np.float32).tiny
+        floor = FLOOR * state.level + SILENT
         if known is None:
             return np.full(scene.frequencies.size, GUESS * state.level + floor, np.float32)
         return np.maximum(known, floor).astype(np.float32)
@@ -137,7 +138,7 @@ class LiveGaussian:
         weight = max(_period(scene) / LEVEL, 1 / (state.age + 1))
         level = state.level + weight * (float(power.mean()) - state.level)
         state = replace(state, level=level, age=state.age + 1)
-        noise, floor = self.noise_of(state, scene), np.float32(FLOOR * level + np.finfo(np.float32).tiny)
+        noise, floor = self.noise_of(state, scene), np.float32(FLOOR * level + SILENT)
         begin = live_psds.shares_of(observed, state.covariances[:-1], noise) * power + floor
         expected = live_psds.averaged(begin) ** np.float32(TIED)
         state = replace(

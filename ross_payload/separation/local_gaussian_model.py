@@ -27,6 +27,9 @@ from ross_payload.separation.live_gaussian import LiveGaussian
 UPDATES = 20
 UNSMOOTHED = 2  # updates before the smoothing begins
 TINY = float(np.finfo(np.float32).tiny)
+MOST = np.float32(1e12)  # of a PSD in a mixture of power 1: more is a matrix that cannot be inverted
+LOUDEST = 100.0  # times the mixture: no group is in any bin
+ROUNDED = 1e-9  # a determinant that is a smaller part of the product of its diagonal is one of rounding
 ACTIVE = 1.15  # bins with less than this many times the noise hold nobody
 TIED = 0.05  # weight of the shares of the groups among the averages that every update is drawn towards
 LONG = 0.128  # frames that a reverberant recording is cut into [s]
@@ -73,6 +76,7 @@ def source_psds(
     given = _Given.of(observed, covariances, noise_psd, noise)
     psds = np.empty_like(given.cross)
     psds[:] = shares * (0.5 * (observed[:, :1] + observed[:, 1:2])) + FLOOR
+    np.maximum(psds, FLOOR, out=psds)  # shares of matrices that cannot be inverted may be below 0
     expected = np.log(average(psds))
     expected *= TIED
     other = np.empty_like(psds)
@@ -89,7 +93,7 @@ def source_psds(
                 sources *= 0.5
                 sources += smooth
                 np.exp(sources, out=sources)
-            np.maximum(sources, FLOOR, out=other[rows])
+            np.clip(sources, FLOOR, MOST, out=other[rows])
         psds, other = other, psds
     noise = np.broadcast_to(noise_psd[:, None, None], (len(psds), 1, psds.shape[2])).astype(psds.dtype)
     return np.concatenate([psds[:, :n_groups], noise], axis=1)
@@ -134,7 +138,7 @@ def _updated(psds: Real, given: _Given, rows: slice) -> Real:
     total /= np.einsum("fkt,fkt->ft", psds, mixed) + given.noise[rows]
     np.subtract(total[:, None], ratio, out=ratio)
     ratio *= psds
-    np.maximum(ratio, TINY, out=ratio)
+    np.fmax(ratio, TINY, out=ratio)  # also where matrices cannot be inverted, and it is no number
     return ratio
 
 
@@ -153,7 +157,10 @@ def wiener(spectrogram: Complex, psds: Real, covariances: Real, noise: Real | No
     total = np.swapaxes(covariances, 1, 2) @ psds
     if noise is not None:
         total = np.swapaxes(covariances[:, :-1], 1, 2) @ psds[:, :-1] + psds[:, -1:] * noise
-    inverse = adjugate(total, axis=1) / (total[:, :1] * total[:, 1:2] - 0.5 * (total[:, 2:] ** 2).sum(1, keepdims=True))
+    whole = total[:, :1] * total[:, 1:2]
+    inverse = adjugate(total, axis=1) / np.maximum(
+        whole - 0.5 * (total[:, 2:] ** 2).sum(1, keepdims=True), ROUNDED * whole
+    )
     cross = (inverse[:, 2] + 1j * inverse[:, 3]) / ROOT2
     first, second = spectrogram
     white = np.stack([inverse[:, 0] * first + cross * second, cross.conj() * first + inverse[:, 1] * second])
@@ -161,7 +168,9 @@ def wiener(spectrogram: Complex, psds: Real, covariances: Real, noise: Real | No
     for psd, matrix in zip(np.swapaxes(psds, 0, 1)[:-1], np.swapaxes(covariances, 0, 1)[:-1], strict=True):
         across = ((matrix[:, 2] + 1j * matrix[:, 3]) / ROOT2).astype(white.dtype)
         signals.append(psd * (matrix[:, :1] * white[0] + across[:, None] * white[1]))
-    return np.stack(signals)
+    found = np.stack(signals)
+    found[~(np.abs(found) < LOUDEST * np.abs(spectrogram).sum(axis=0) + TINY)] = 0  # of what has no inverse nothing
+    return found
 
 
 def in_long_frames(separate: Callable[[Complex, Scene], Groups], spectrogram: Complex, scene: Scene) -> Groups:
@@ -252,8 +261,10 @@ def from_directions(
         use |= scene.frequencies < always_below
         part = replace(scene, frequencies=scene.frequencies[use], tau=delays)
         if use.any():
-            found, masks[:, use], quality = core(unit[:, use], part, noise[use])
+            with np.errstate(all="ignore"):  # a rumble is as coherent as can be, and its covariances have no inverse
+                found, masks[:, use], quality = core(unit[:, use], part, noise[use])
             signals[:, use] = found * np.sqrt(power)
+            masks[~np.isfinite(masks)] = 0
     return Groups(signals, members, name, masks=masks, quality=quality)
 
 
@@ -262,7 +273,8 @@ def _in_noise(core: Core, spectrogram: Complex, scene: Scene, delays: Real, larg
     even = evened(spectrogram, scene, delays, larger)
     signals = np.zeros((len(delays), *spectrogram.shape[1:]), spectrogram.dtype)
     masks = np.zeros(signals.shape, np.float32)
-    found, masks[:, even.used], quality = core(even.unit, even.scene, even.noise_psd)
+    with np.errstate(all="ignore"):
+        found, masks[:, even.used], quality = core(even.unit, even.scene, even.noise_psd)
     signals[:, even.used] = found * even.level
     return Groups(signals, (), "", masks=masks, quality=quality)
 

@@ -13,7 +13,7 @@ HIGHEST = 6000.0  # bins above this keep the PSDs of the local Gaussian model [H
 N_FEATURES = 10
 N_IN_NOISE = N_FEATURES + 1  # the last says whether a group is the noise
 SCALE = 0.2  # of logarithms: the network sees numbers around 1
-LEAST = 1e-7  # of every PSD that is shown
+LEAST, MOST = 1e-7, 1e30  # of every PSD that is shown
 HIDDEN = 0.01  # of the noise: no PSD is shown, or corrected from, below it where the noise has a direction
 MISFIT = 1e-3  # of a direction that fits perfectly
 FAR = 8.0  # bound of logarithms of ratios
@@ -126,7 +126,7 @@ def stacked(every: Features) -> Real:
 
 
 def _log(values: Real) -> Real:
-    return np.asarray(SCALE * np.log(np.maximum(values, LEAST)))
+    return np.asarray(SCALE * np.log(np.minimum(np.maximum(values, LEAST), MOST)))
 
 
 def _around(observed: Real) -> Real:

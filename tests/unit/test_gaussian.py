@@ -7,6 +7,7 @@ from ross_payload.dsp.steering import steering_vectors
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Groups, Scene
+from ross_payload.plugin_checks import load_separator
 from ross_payload.separation.cacgmm import learn
 from ross_payload.separation.directness import astray, directness_of
 from ross_payload.separation.local_gaussian_model import (
@@ -104,6 +105,28 @@ def test_silence_dead_microphones_and_short_recordings_give_finite_signals(noise
         assert groups.signals.shape == (3, *changed.shape[1:])
         assert np.isfinite(groups.signals).all()
         assert np.isfinite(groups.masks).all()
+
+
+@pytest.mark.parametrize("name", ["auto", "gaussian", "refined"])
+@pytest.mark.parametrize("noise", [None, 1e-7])
+@pytest.mark.parametrize("tau", [(0.0, 1e-7, -1e-7), (-1.2e-4, 0.0, 1e-4)])
+def test_what_both_microphones_hear_alike_gives_finite_signals(
+    name: str, noise: float | None, tau: tuple[float, ...]
+) -> None:
+    """A DC part, a rumble and identical channels: covariances that cannot be inverted."""
+    stft, rng = Stft(16000, 1024, 256), np.random.default_rng(3)
+    alike = rng.standard_normal(16000).cumsum() * 1e-3 + 0.1
+    heard = np.stack([alike, alike]) + 1e-4 * rng.standard_normal((2, 16000)) * np.array([[1.0], [0.0]])
+    scene = Scene(
+        stft.frequencies, 0.05, 343.0, 3, np.array(tau),
+        noise_psd=None if noise is None else np.full(len(stft.frequencies), noise), hop=stft.hop,
+    )  # fmt: skip
+    for samples in (heard, np.stack([alike, alike]), np.clip(40 * heard, -1, 1)):
+        spectrogram = stft.analyse(samples.astype(np.float32))
+        groups = load_separator(name).batch(spectrogram, scene)
+        assert np.isfinite(groups.masks).all()
+        assert np.isfinite([(each.si_sdr, each.si_sdri) for each in groups.quality]).all()
+        assert (np.abs(groups.signals) <= 200 * np.abs(spectrogram).sum(axis=0) + 1e-6).all()
 
 
 def test_nobody_gives_no_groups() -> None:

@@ -75,6 +75,14 @@ def test_silence_stays_silent() -> None:
     assert not heard.any()
 
 
+def test_zeros_in_front_silence_nobody() -> None:
+    live, (_, heard) = load_separator("gaussian").live(), mixture(frames=60)
+    silent = np.zeros((2, FREQUENCIES.size, 5), heard.dtype)
+    found = listened(live, np.concatenate([silent, heard], axis=2), replace(SCENE, noise_psd=None), renew=16)
+    assert np.isfinite(found).all()
+    assert (np.abs(found).max(axis=(0, 1))[10:] > 0).all()
+
+
 def test_sources_that_pose_as_one_stay_one_group_though_they_part() -> None:
     live, (_, heard) = load_separator("gaussian").live(), mixture(frames=16)
     together = replace(SCENE, tau=LONGEST * np.array([-0.8, 0.50, 0.52]))
