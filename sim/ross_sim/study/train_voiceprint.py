@@ -12,6 +12,7 @@ would add in another order each time.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import click
@@ -71,26 +72,23 @@ def mixture(pieces: Sequence[Piece], seed: int) -> dict[str, Array]:
 def trained(
     voices: Mapping[str, Real], folds: Mapping[str, int], work: Path, seed: int
 ) -> dict[int | None, Parameters]:
-    """Learn everything but the calibration from the recordings (n,) of talkers: of all (None), and without each fold.
-
-    Only the mixture of Gaussians is the same for all of these.
-    """
+    """Learn everything but the calibration from recordings (n,) of talkers: of all (None), and without each fold."""
     pieces = list(training_pieces(voices, work, seed))
-    fitted = cached(work / "gaussians.npz", lambda: mixture(pieces, seed))
-    found = [Background(**fitted).statistics(piece.features.cepstra) for piece in pieces]
-    counts = np.array([count for count, _ in found])
-    sums = np.array([total.ravel() for _, total in found], np.float32)
-    pitches, names = np.array([pitch_of(piece.features) for piece in pieces]), [piece.talker for piece in pieces]
-    owners = np.array([folds.get(reader_of(name), -1) for name in names])
+    pitches = np.array([pitch_of(piece.features) for piece in pieces])
+    owners = np.array([folds.get(reader_of(piece.talker), -1) for piece in pieces])
     learnt: dict[int | None, Parameters] = {}
     for fold in (None, *sorted(set(folds.values()))):
         kept = np.flatnonzero(np.ones(len(owners)) if fold is None else owners != fold)
-        mark = "all" if fold is None else f"without-{fold}"
-        whole, steps = loadings(counts[kept], sums[kept], work / mark)
-        extract, width = Factors(whole * steps, INDEPENDENCE), sums.shape[1] // N_GAUSSIANS
-        each = [np.append(extract.of(counts[i], sums[i].reshape(-1, width)), pitches[i]) for i in kept]
-        talkers_of = [names[i] for i in kept]
-        centre, directions = discriminants(np.array(each), talkers_of, SHRINKAGE)
+        mark, known = "all" if fold is None else f"without-{fold}", [pieces[i] for i in kept]
+        fitted = cached(work / mark / "gaussians.npz", partial(mixture, known, seed))
+        background = Background(**fitted)
+        found = [background.statistics(piece.features.cepstra) for piece in known]
+        counts = np.array([count for count, _ in found])
+        whole, steps = loadings(counts, np.array([total.ravel() for _, total in found], np.float32), work / mark)
+        extract = Factors(whole * steps, INDEPENDENCE)
+        each = np.array([np.append(extract.of(*of), pitch) for of, pitch in zip(found, pitches[kept], strict=True)])
+        talkers_of = [piece.talker for piece in known]
+        centre, directions = discriminants(each, talkers_of, SHRINKAGE)
         learnt[fold] = Parameters(
             **fitted,
             loadings=whole,
@@ -98,7 +96,7 @@ def trained(
             independence=np.array(INDEPENDENCE),
             centre=centre,
             directions=directions,
-            cohort=cohort((np.array(each) - centre) @ directions, talkers_of),
+            cohort=cohort((each - centre) @ directions, talkers_of),
             slopes=np.ones(2),
             thresholds=np.zeros(2),
             separated=np.array(0.0),
