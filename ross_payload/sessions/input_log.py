@@ -65,7 +65,11 @@ def parsed(text: bytes) -> dict[str, Any] | None:
         whole = whole and isinstance(speeds, list | tuple) and all(isinstance(speed, int | float) for speed in speeds)
         told = values.get("pointing", ())
         whole = whole and len(told) in (0, 4) and all(isinstance(number, int | float) for number in told)
-        whole = whole and isinstance(values["n"], int) and values["n"] > 0 and isinstance(values["index"], int)
+        counts = (values["n"], values["index"], values.get("lost", 0), values.get("flags", 0))
+        whole = whole and all(type(count) is int and abs(count) < 2**53 for count in counts)
+        whole = whole and 0 < values["n"] < 2**31
+        orders = values.get("orders", [])
+        whole = whole and isinstance(orders, list) and all(isinstance(order, dict) for order in orders)
     except (ValueError, KeyError, TypeError):
         return None
     return values if whole and text.endswith(b"\n") else None

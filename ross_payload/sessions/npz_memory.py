@@ -52,7 +52,7 @@ def unpacked(path: Path, kind: type[T], *, others: bool = False) -> T:
         with np.load(io.BytesIO(read_bounded(path, LARGEST)), allow_pickle=False) as arrays:
             values = {name: _value(arrays[name], hints[name]) for name in arrays.files if name in hints or not others}
         return kind(**values)
-    except (OSError, ValueError, KeyError, TypeError, ValidationError, EOFError, BadZipFile) as error:
+    except (OSError, ValueError, KeyError, TypeError, ValidationError, EOFError, BadZipFile, RuntimeError) as error:
         raise ConfigError(f"{path.name}: damaged, or of another version: {error!r}") from error
 
 

@@ -8,6 +8,7 @@ time, as a periodic call. `record` and `status` may be called from any thread.
 from __future__ import annotations
 
 import errno
+import logging
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -47,6 +48,9 @@ class OngoingRecording:
     tidied: float = 0.0  # [s] of audio, when the store was looked after last
     over: bool = False  # set on the disk's thread: nothing more is written
     failed: bool = False  # and nobody wants another one
+
+
+log = logging.getLogger(__name__)
 
 
 class Recorder:
@@ -195,6 +199,9 @@ class Recorder:
             cause = error if isinstance(error, OSError) else error.__cause__
             full = isinstance(cause, OSError) and cause.errno in FULL
             self._fail(recording, RecordingState.FULL if full else RecordingState.BROKEN, _why(error))
+        except Exception as error:  # the thread goes on, and what it is says why nothing is recorded any more
+            log.exception("the recording has failed")
+            self._fail(recording, RecordingState.BROKEN, f"{type(error).__name__}: {error}")
 
     def _start(self, recording: OngoingRecording, begin: Beginning) -> None:
         self._disk = recording

@@ -152,6 +152,8 @@ def _kept(path: Path) -> StoredSession | None:
     if match is None or not is_session(path):
         return None
     files = [status for name in FILES if (status := _status(path / name)) is not None]
+    if not files:  # somebody deletes it this moment
+        return None
     newest = max(file.st_mtime for file in files)
     return StoredSession(path, int(match[1]), sum(file.st_size for file in files), newest, _locked(path / LOCKED))
 

@@ -37,6 +37,22 @@ print(status.state, status.reason, sep="|")
     assert len(list(only(tmp_path).inputs(Config().audio))) == found.inputs
 
 
+def test_whatever_goes_wrong_the_recorder_says_so_and_goes_on(tmp_path, monkeypatch):
+    def broken(*_):
+        raise ValueError("a bug")
+
+    with recording(tmp_path) as recorder:
+        recorder.on_input(input_of(0))
+        recorder.drain()
+        monkeypatch.setattr(recorder_module.SessionStore, "tidy", broken)
+        monkeypatch.setattr(recorder_module.SessionWriter, "write_input", broken)
+        recorder.on_input(input_of(1))
+        recorder.drain()
+        assert recorder.status().state is RecordingState.BROKEN
+        assert "a bug" in recorder.status().reason
+        monkeypatch.undo()
+
+
 @pytest.fixture
 def tiny_disk(tmp_path):
     """A disk of 1 MB, where the system lets us have one."""

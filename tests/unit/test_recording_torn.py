@@ -53,6 +53,19 @@ def test_a_damaged_line_in_the_middle_is_said(whole):
     assert any("line 41" in note for note in whole.contents().notes)
 
 
+@pytest.mark.parametrize(
+    "damage",
+    [b'"orders":5,', b'"orders":[5],', b'"lost":"x",', b'"flags":null,', b'"n":true,', b'"n":99999999999999999999,'],
+)
+def test_a_line_whose_values_cannot_be_is_damaged(whole, damage):
+    path = whole.path / "inputs.jsonl"
+    lines = path.read_bytes().splitlines(keepends=True)
+    lines[40] = lines[40].rstrip(b"}\n") + b"," + damage.rstrip(b",") + b"}\n"
+    path.write_bytes(b"".join(lines))
+    assert len(list(whole.inputs(Config().audio))) == 40
+    assert any("line 41" in note for note in whole.contents().notes)
+
+
 def test_events_are_read_up_to_the_first_that_is_damaged(tmp_path):
     record(tmp_path, [input_of(k) for k in range(5)], said=[Event(1.0)])
     whole = only(tmp_path)

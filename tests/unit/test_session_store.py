@@ -44,6 +44,13 @@ def test_sessions_are_numbered_and_never_share_a_folder(store):
     assert fill(store).name == "0008"
 
 
+def test_a_session_that_somebody_deletes_this_moment_is_none(store, monkeypatch):
+    fill(store)
+    monkeypatch.setattr("ross_payload.sessions.session_store._status", lambda path: None)
+    assert names(store) == []
+    store.tidy(limits(max_gb=1.0))
+
+
 def test_the_oldest_sessions_go_first(store):
     for _ in range(4):
         fill(store, size=400_000_000)
