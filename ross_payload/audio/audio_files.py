@@ -11,7 +11,7 @@ import numpy as np
 import soundfile
 
 from ross_payload.atomic_files import replacing
-from ross_payload.errors import AudioError, OutputError
+from ross_payload.errors import AudioError, OutputError, refused_as
 from ross_payload.interfaces import Real
 
 
@@ -23,11 +23,12 @@ def read_audio(path: Path) -> tuple[Real, int]:
     AudioError
         When the file is missing or not audio.
     """
-    if not path.is_file():
-        raise AudioError(f"{path}: no such file")
+    with refused_as(AudioError, f"{path}: cannot be read"):
+        if not path.is_file():
+            raise AudioError(f"{path}: no such file")
     try:
         samples, rate = soundfile.read(path, dtype="float64", always_2d=True)
-    except (soundfile.LibsndfileError, RuntimeError) as error:
+    except (soundfile.LibsndfileError, RuntimeError, TypeError) as error:  # a raw file tells no rate
         raise AudioError(f"{path}: expected audio that libsndfile can read") from error
     return samples, int(rate)
 
@@ -57,12 +58,12 @@ class WavWriter:
     PCM_24 because float WAV files carry a time stamp and would differ from run to run.
     """
 
-    def __init__(self, path: Path, rate: int, channels: int) -> None:
+    def __init__(self, path: Path, rate: int, channels: int, mode: int = 0o666) -> None:
         self._path = path
         self._waiting: list[Real] = []
         self._pending = 0  # samples waiting
         with ExitStack() as stack, self._reported():
-            part = stack.enter_context(replacing(path))
+            part = stack.enter_context(replacing(path, mode))
             self._file = soundfile.SoundFile(
                 part, "w", samplerate=rate, channels=channels, subtype="PCM_24", format="WAV"
             )
@@ -109,8 +110,8 @@ class WavWriter:
         self.close()
 
 
-def write_wav(path: Path, samples: Real, rate: int) -> None:
-    """Write samples (n,) or (n_channels, n) as PCM_24."""
+def write_wav(path: Path, samples: Real, rate: int, mode: int = 0o666) -> None:
+    """Write samples (n,) or (n_channels, n) as PCM_24; the umask narrows who may read them."""
     block = np.atleast_2d(samples)
-    with WavWriter(path, rate, block.shape[0]) as writer:
+    with WavWriter(path, rate, block.shape[0], mode) as writer:
         writer.write(block)

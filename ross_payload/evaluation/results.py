@@ -23,6 +23,7 @@ from ross_payload.evaluation.takes import Pair
 from ross_payload.terminal_tables import with_whole_words
 from ross_protocols.angle_text import rounded
 
+OWN = 0o600  # who may read what people have said
 VOICE = re.compile(r"group-\d+\.wav")
 DIRECTIONS = {"given": "directions given", "heard in A": "directions found in the mixture"}
 NOISE = {"measured at the start of A": "noise measured at the start of the mixture", "unknown": "noise level unknown"}
@@ -117,13 +118,13 @@ def write(folder: Path, values: dict[str, Any], found: Evaluation, rate: int) ->
         When the disk is full or gone.
     """
     for index, group in enumerate(found.groups):
-        write_wav(folder / f"group-{index}.wav", group.voice, rate)
+        write_wav(folder / f"group-{index}.wav", group.voice, rate, OWN)
     mine = {f"group-{index}.wav" for index in range(len(found.groups))}
     with refused_as(OutputError, f"{folder}: cannot be written"):
         for path in folder.iterdir():
             if VOICE.fullmatch(path.name) and path.name not in mine:
                 path.unlink()
-        with replacing(folder / "report.json") as part:
+        with replacing(folder / "report.json", OWN) as part:
             part.write_text(json_text(values), encoding="utf-8")
 
 

@@ -20,6 +20,7 @@ from ross_payload.sessions.manifest import versions
 from ross_payload.sessions.session_reader import RecordedSession
 
 E = TypeVar("E", bound=Event)
+OWN = 0o600  # who may read what people have said
 VOICE = re.compile(r"target\.wav|group-\d+\.wav")
 
 
@@ -32,7 +33,7 @@ def prepare(folder: Path) -> None:
         When it cannot be made or written, or is a session.
     """
     with refused_as(ConfigError, f"--out {folder}: cannot be written"):
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)  # voices of people
     if (folder / "session.json").exists():
         raise ConfigError(f"--out: expected a folder for the results, got the session {folder}")
     if not os.access(folder, os.W_OK):
@@ -87,13 +88,13 @@ def write(folder: Path, values: dict[str, Any], replay_state: Replayed, rate: in
     """
     voices = voices_of(last(replay_state.events, Separated))
     for name, voice in voices.items():
-        write_wav(folder / name, voice, rate)
+        write_wav(folder / name, voice, rate, OWN)
     with refused_as(OutputError, f"{folder}: cannot be written"):
         for path in folder.iterdir():
             if VOICE.fullmatch(path.name) and path.name not in voices:
                 path.unlink()
         for name, text in (("events.jsonl", "".join(replay_state.lines)), ("replay.json", json_text(values))):
-            with replacing(folder / name) as part:
+            with replacing(folder / name, OWN) as part:
                 part.write_text(text, encoding="utf-8")
 
 

@@ -46,6 +46,7 @@ def test_a_replay_says_the_same_to_the_byte(taped, again):
     (results, session), (code, values, folder) = taped, again
     assert code == 0
     assert values["identical"]
+    assert {path.stat().st_mode & 0o077 for path in (folder, *folder.iterdir())} == {0}  # what people have said
     assert values["parted"] == values["ended_early"] == ""
     assert (
         (folder / "events.jsonl").read_bytes()
