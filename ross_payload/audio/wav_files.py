@@ -46,6 +46,7 @@ class WavFile:
             append(self._file, self._header())
         except OSError:
             self._file.close()
+            path.unlink(missing_ok=True)
             raise
 
     def write(self, samples: Samples) -> None:

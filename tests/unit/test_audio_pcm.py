@@ -22,6 +22,12 @@ def streams(draw):
     return Header(draw(st.integers(1, 192_000)), channels, form), frames
 
 
+@pytest.mark.parametrize("line", [b"[" * (LONGEST_HEADER - 4) + b"\n", b"{" * 900 + b"\n", b"null\n"])
+def test_a_header_that_is_none_is_refused(line):
+    with pytest.raises(PcmError, match="expected a line like"):
+        Decoder().feed(line)
+
+
 @given(streams(), st.data())
 def test_a_stream_cut_anywhere_gives_the_same_samples(stream, data):
     header, frames = stream

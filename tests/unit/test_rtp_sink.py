@@ -1,7 +1,9 @@
 """The sink ``rtp`` on real sockets, its session descriptions over HTTP, and ``ross listen`` beside them."""
 
+import errno
 import socket
 import sys
+import threading
 import time
 import urllib.error
 import urllib.request
@@ -131,6 +133,50 @@ def test_clients_that_say_nothing_hold_up_nobody():
             each.close()
 
 
+def test_a_client_that_says_a_byte_now_and_then_is_hung_up_on(monkeypatch):
+    monkeypatch.setattr(sdp_server, "PATIENCE_S", 0.5)
+    with (
+        SdpServer(lambda: {0: "v=0"}, 0) as server,
+        socket.create_connection(("127.0.0.1", server.port)) as slow,
+        pytest.raises(OSError),
+    ):
+        for _ in range(100):
+            slow.sendall(b"G")
+            time.sleep(0.05)
+
+
+def test_a_server_that_speaks_no_http_is_one_line(monkeypatch, capsys):
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        port = listening.getsockname()[1]
+        answer = threading.Thread(target=lambda: _says(listening, b"samples\n\n"), daemon=True)
+        answer.start()
+        code, said, complained = called(monkeypatch, capsys, "listen", f"http://127.0.0.1:{port}/a.sdp")
+        answer.join()
+    assert (code, said) == (2, "")
+    assert "no session description" in complained
+    assert complained.count("\n") == 1
+
+
+def _says(listening, words):
+    sock, _ = listening.accept()
+    with sock:
+        sock.recv(4096)
+        sock.sendall(words)
+
+
+def test_a_firewall_that_refuses_packets_is_no_end_of_the_stream(tmp_path):
+    class Refusing:
+        def recv(self, _):
+            raise OSError(errno.EHOSTUNREACH, "No route to host")
+
+    with ear() as sock, opened(sock.getsockname()[1], tmp_path, codec="L16") as sink:
+        sink._answer(Refusing())
+        assert "No route to host" in sink.fault
+        for index in range(0, 10 * BLOCK, BLOCK):
+            sink.write(block_at(index, np.zeros(BLOCK)))
+        assert sock.recv(2048)
+
+
 def test_so_many_clients_are_served_and_others_are_turned_away(monkeypatch):
     monkeypatch.setattr(sdp_server._Handler, "timeout", 60)
     with SdpServer(lambda: {0: "v=0"}, 0) as server:
@@ -246,6 +292,8 @@ def _answers(port):
         (["rtp://192.0.2.1:5004"], "cannot listen on 192.0.2.1 port 5004: Cannot assign requested address"),
         (["tcp://127.0.0.1:1"], "tcp:127.0.0.1:1: no audio: Connection refused"),
         (["http://127.0.0.1:1/x.sdp"], "no session description: Connection refused"),
+        (["http://127.0.0.1:80x/a.sdp"], "no session description: nonnumeric port: '80x'"),
+        (["tcp://a..b:80"], "tcp:a..b:80: no audio"),
     ],
 )
 def test_what_cannot_be_listened_to_is_one_line_and_leaves_nothing(tmp_path, monkeypatch, capsys, arguments, wanted):

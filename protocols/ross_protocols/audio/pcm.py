@@ -66,7 +66,7 @@ def decode_header(line: bytes) -> Header:
     """
     try:
         said: Any = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         said = None
     if not isinstance(said, dict) or "ross_pcm" not in said:
         raise PcmError(f"PCM header: expected a line like {encode_header(Header(16000, 2))!r}, got {line[:60]!r}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import http.client
 import ipaddress
 import urllib.error
 import urllib.parse
@@ -131,5 +132,5 @@ def _fetched(url: str) -> str:
     except urllib.error.URLError as error:
         why = reason(error.reason) if isinstance(error.reason, OSError) else error.reason
         raise AudioError(f"{url}: no session description: {why}") from error
-    except (OSError, ValueError) as error:
-        raise AudioError(f"{url}: no session description: {reason(error)}") from error
+    except (OSError, ValueError, http.client.HTTPException) as error:
+        raise AudioError(f"{shown(url)}: no session description: {reason(error)}") from error

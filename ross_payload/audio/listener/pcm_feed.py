@@ -77,7 +77,7 @@ class PcmFeed(Feed):
                     raise AudioError(f"{self.where}: closed before it sent a PCM header")
                 samples = decoder.feed(data)
             sock.settimeout(None)
-        except (OSError, PcmError) as error:
+        except (OSError, PcmError, UnicodeError) as error:  # a name may be none
             self.__exit__()
             raise AudioError(f"{self.where}: no audio: {reason(error)}") from error
         self._rate = decoder.header.rate

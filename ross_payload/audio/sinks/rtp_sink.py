@@ -247,6 +247,12 @@ class RtpSink:
             except ConnectionRefusedError:
                 self._sender.listener.refused(self._clock.now())
                 return
+            except BlockingIOError:
+                return
+            except OSError as error:  # news of an earlier packet, too: a firewall has refused it
+                self._failed_at, self._failure = self._clock.now(), reason(error)
+                self._sender.listener.refused(self._failed_at)
+                return
             for packet in self._sender.on_report(said, self._clock.now()):
                 self._send(sock, packet)
 

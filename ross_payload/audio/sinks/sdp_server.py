@@ -97,13 +97,22 @@ class _Server(ThreadingHTTPServer):
             self.shutdown_request(request)
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
+        patience = threading.Timer(PATIENCE_S, _hang_up, (request,))  # for all of it: a byte a second is none
+        patience.daemon = True
+        patience.start()
         try:
             super().process_request_thread(request, client_address)
         finally:
+            patience.cancel()
             self._room.release()
 
     def handle_error(self, *_: object) -> None:
         log.debug("a request for a session description ended early", exc_info=True)
+
+
+def _hang_up(request: socket.socket) -> None:
+    with contextlib.suppress(OSError):
+        request.shutdown(socket.SHUT_RDWR)
 
 
 class SdpServer:
