@@ -84,7 +84,7 @@ class DirectRunner:
     @property
     def lost(self) -> int:
         """Samples that never got out."""
-        return self._lost + (0 if self._sink is None else self._sink.lost)
+        return self._lost + _lost_by(self._sink)
 
     def open(self) -> None:
         """Open the sink if it is time to."""
@@ -95,11 +95,11 @@ class DirectRunner:
         try:
             sink = self._make()
             sink.__enter__()
+            self._sink = sink
+            self._look(sink)
         except Exception as error:  # of others: a plug-in may raise anything
+            self._end()
             self._fail(_in_words(error))
-            return
-        self._sink = sink
-        self._look(sink)
 
     def write(self, block: VoiceBlock) -> None:
         """Hand on samples."""
@@ -129,8 +129,8 @@ class DirectRunner:
             return
         try:
             sink.__exit__(None, None, None)
+            self._lost += _lost_by(sink)
             self._look(sink)
-            self._lost += sink.lost
         except Exception as error:  # of others: it may raise anything
             self._fail(_in_words(error))
 
@@ -149,6 +149,13 @@ class DirectRunner:
             log.warning("%s: works again after %.1f s; %d samples are missing", self._name, now - since, lost - count)
         if not fault:
             self._well = (now, lost)
+
+
+def _lost_by(sink: AudioSink | None) -> int:
+    try:
+        return 0 if sink is None else sink.lost
+    except Exception:  # of others: it may raise anything, and what it has lost is the least of it
+        return 0
 
 
 class ThreadedRunner:

@@ -65,6 +65,29 @@ def test_it_opens_hands_on_and_closes(sink):
     assert (sink.entered, sink.left) == (1, 1)
 
 
+@pytest.mark.parametrize("broken", ["fault", "info", "lost"])
+def test_a_sink_that_cannot_even_say_how_it_is_ends_nobody_and_is_opened_again(broken):
+    class Broken(Sink):
+        pass
+
+    def raising(self):
+        raise ZeroDivisionError("bug")
+
+    sink = Broken()
+    for name in ("fault", "info", "lost"):
+        vars(sink).pop(name)
+        setattr(Broken, name, {"fault": "", "info": SinkInfo(), "lost": 0}[name])
+    setattr(Broken, broken, property(raising))
+    clock = FakeClock()
+    runner = DirectRunner("stream 0", lambda: sink, clock)
+    runner.write(block(0))
+    runner.close()
+    assert runner.lost in (0, 100)
+    if broken != "lost":
+        assert "bug" in runner.fault
+        assert sink.left == 1
+
+
 def test_a_sink_that_cannot_be_opened_is_tried_again_and_the_log_says_so_once(sink, caplog):
     clock = FakeClock()
     sink.refuses = AudioError("tcp:127.0.0.1:5: cannot listen: Address already in use")
