@@ -8,8 +8,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 
+LONGEST = 10_000.0  # [m]
 GRID = 0.02  # walked between two neighbours of the grid, at most [m]: a reflection shifts by 90 deg of phase at 4.3 kHz
 
 
@@ -52,11 +54,20 @@ class Path:
 
     @classmethod
     def through(cls, points: ArrayLike) -> Self:
-        """Make one through way points (time [s], azimuth [rad], distance [m], height [m]), (n, 4)."""
+        """Make one through way points (time [s], azimuth [rad], distance [m], height [m]), (n, 4).
+
+        Raises
+        ------
+        ConfigError
+            When it is longer than `LONGEST`.
+        """
         times, azimuths, distances, heights = np.asarray(points, dtype=float).reshape(-1, 4).T
         wider = np.maximum(distances[1:], distances[:-1])
         steps = [np.diff(azimuths) * wider, np.diff(distances), np.diff(heights)]
-        counts = np.maximum(np.ceil(np.linalg.norm(steps, axis=0) / GRID - 1e-9), 0)
+        with np.errstate(over="ignore"):
+            counts = np.maximum(np.ceil(np.linalg.norm(steps, axis=0) / GRID - 1e-9), 0)
+        if not counts.sum() <= LONGEST / GRID:
+            raise ConfigError(f"talkers.path: expected a way of at most {LONGEST:g} m, got a longer one")
         return cls(times, azimuths, distances, heights, np.concatenate([[0.0], np.cumsum(counts)]))
 
     @property
