@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -128,6 +129,23 @@ def test_what_is_measured_already_is_not_measured_again(monkeypatch: pytest.Monk
         list(rows(design, VOICES, (), done))
     assert [about[0] for about in made] == [3]
     assert list(rows(design, VOICES, (), [*done, row(k=3, rotors="synthetic")])) == []
+
+
+def test_what_another_separator_has_measured_is_measured_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[object] = []
+
+    def counted(*about: object, **more: object) -> above_scenes.AboveScene:
+        made.append(about[0])
+        raise StopIteration
+
+    monkeypatch.setattr("ross_sim.study.above_study.scene", counted)
+    told = [row(k=k, rotors="synthetic") for k in (1, 2, 3)]
+    done = [*told, *(replace(each, target=each.k - 1, separator="gaussian") for each in told)]
+    design = AboveDesign((10.0,), (0.0,), (0.0,), 1, 1, 0.5, "gaussian", 1)
+    assert list(rows(design, VOICES, (), done)) == []
+    with pytest.raises(RuntimeError):
+        list(rows(replace(design, separator="mvdr"), VOICES, (), done))
+    assert made == [1]
 
 
 def test_fewer_than_three_talkers_are_refused_in_one_line(tmp_path: Path) -> None:

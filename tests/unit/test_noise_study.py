@@ -9,7 +9,7 @@ from ross_sim.study import noise_scenes
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings, scene
-from ross_sim.study.noise_study import SHORT, tonal_of
+from ross_sim.study.noise_study import SHORT, Design, conduct_noise, tonal_of
 
 VOICES = [np.random.default_rng(n).standard_normal(4 * RATE).astype(np.float32) for n in range(3)]
 
@@ -82,6 +82,14 @@ def test_the_table_keeps_lone_talkers_apart():
     assert last == (
         "| synthetic | learnt | 0 dB | 1/2 (9-91 %) | 3/3 (44-100 %) | -5.0 ± 12.7 | 6.0 ± 12.7 | 0.0 | 9.0 |"
     )
+
+
+def test_rows_that_are_there_are_not_written_over(tmp_path):
+    (tmp_path / "rows.csv").write_text("hours of work")
+    design = Design(("synthetic",), (0.0,), 1, (1,))
+    with pytest.raises(ConfigError, match="holds the rows of a study already"):
+        conduct_noise(design, out=tmp_path, speech=tmp_path, noise=None)
+    assert (tmp_path / "rows.csv").read_text() == "hours of work"
 
 
 def test_speeds_are_known_of_rotors_that_are_made_alone():

@@ -44,6 +44,7 @@ class AboveRow:
     elevation_errors_deg: tuple[float, ...] = ()  # of those
     si_sdr_in_db: float | None = None
     si_sdr_out_db: float | None = None
+    separator: str = ""  # empty: explored
 
     @property
     def right(self) -> bool:

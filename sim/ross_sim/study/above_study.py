@@ -73,11 +73,19 @@ def rows(
                             height, walk, ratio, rotors_of(clips), design.ground, k, layout, design.seed, told=True
                         )
                         parts = layout < design.separated
-                        if _key(row) in there and (not parts or _key(replace(row, target=k - 1)) in there):
+                        one = replace(row, target=k - 1, separator=design.separator)
+                        if _key(row) in there and (not parts or _key(one) in there):
                             continue
                         key, about = [design.seed, k, layout], {"speed": walk, "ground": design.ground}
                         made = scene(k, height, ratio, voices, clips=clips, key=key, **about)
-                        yield [*explored(row, made), *(separated(row, made, clips, separator) if parts else ())]
+                        yield [
+                            *explored(row, made),
+                            *(
+                                separated(replace(row, separator=design.separator), made, clips, separator)
+                                if parts
+                                else ()
+                            ),
+                        ]
 
 
 def explored(row: AboveRow, made: AboveScene) -> Iterator[AboveRow]:
@@ -184,4 +192,4 @@ def conduct_above(design: AboveDesign, *, out: Path, speech: Path, noise: Path |
 
 def _key(row: AboveRow) -> tuple[object, ...]:
     scene = row.height_m, row.walk_m_s, row.ratio_db, row.rotors, row.ground, row.k, row.layout, row.seed
-    return (*scene, row.told, row.target)
+    return (*scene, row.told, row.target, row.separator)

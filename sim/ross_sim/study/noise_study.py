@@ -25,7 +25,7 @@ from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.rotor_tones import tones
 from ross_payload.dsp.steering import tdoa
 from ross_payload.dsp.stft import Stft
-from ross_payload.errors import OutputError, refused_as
+from ross_payload.errors import ConfigError, OutputError, refused_as
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Marks, Observation, Real, Samples, Scene
 from ross_payload.localization.joint import Joint
@@ -213,10 +213,12 @@ def conduct_noise(design: Design, *, out: Path, speech: Path, noise: Path | None
     Raises
     ------
     ConfigError
-        When a folder cannot be used.
+        When a folder cannot be used, or ``out`` holds rows already.
     OutputError
         When a file cannot be written.
     """
+    if (out / "rows.csv").exists():
+        raise ConfigError(f"--out {out}: holds the rows of a study already; choose another folder")
     voices = {voice.name: voice.speech for voice in load_folder(speech, RATE)}
     chosen = [voices[name] for name in VOICES if name in voices] or list(voices.values())
     clips = [] if noise is None else recordings(noise)
