@@ -79,6 +79,10 @@ def test_azimuths_are_wrapped():
         ),
         ({"talkers": [{"azimuth_deg": 0, "pauses": [[5, 4]]}]}, "pauses: expected a pause that ends after it begins"),
         ({"talkers": [{"azimuth": 0}]}, "azimuth_deg"),
+        (
+            {"talkers": [{"azimuth_deg": 0, "path": [{"at_s": 1, "azimuth_deg": 1e300}]}]},
+            "expected a way of at most 10000 m, got a longer one",
+        ),
         ({"talkers": [], "payload": {"array": {"spacing_m": 0}}}, r"payload\.array\.spacing_m"),
         ({"talkers": [], "room": {"size_m": [10, 10], "t60_s": 0.01}}, "t60 = 0.01 s is too short"),
         ({"talkers": [], "rooms": {}}, "unknown key 'rooms'"),

@@ -73,19 +73,12 @@ def rows(
                             height, walk, ratio, rotors_of(clips), design.ground, k, layout, design.seed, told=True
                         )
                         parts = layout < design.separated
-                        one = replace(row, target=k - 1, separator=design.separator)
-                        if _key(row) in there and (not parts or _key(one) in there):
+                        apart = replace(row, separator=design.separator)
+                        if _key(row) in there and (not parts or _key(replace(apart, target=k - 1)) in there):
                             continue
                         key, about = [design.seed, k, layout], {"speed": walk, "ground": design.ground}
                         made = scene(k, height, ratio, voices, clips=clips, key=key, **about)
-                        yield [
-                            *explored(row, made),
-                            *(
-                                separated(replace(row, separator=design.separator), made, clips, separator)
-                                if parts
-                                else ()
-                            ),
-                        ]
+                        yield [*explored(row, made), *(separated(apart, made, clips, separator) if parts else ())]
 
 
 def explored(row: AboveRow, made: AboveScene) -> Iterator[AboveRow]:
