@@ -126,3 +126,33 @@ def test_what_a_manager_repeats_is_believed_when_the_device_has_been_silent_for_
     assert feedback.angle == pytest.approx(0.3)
     on_report(feedback, 70.2, 0.9, 2.1, own=False)
     assert feedback.angle == pytest.approx(0.9)
+
+
+@pytest.mark.parametrize(
+    ("rests", "seen", "unseen"),
+    [
+        (3.49, 3.49, True),
+        (3.4907 + 0.001, 3.4907 + 0.001, True),
+        (3.55, 3.55, True),
+        (1.0, 1.0, False),
+        (2.7, 2.7, False),
+    ],
+)
+def test_after_a_silence_a_gimbal_at_an_end_of_its_travel_is_in_doubt_and_not_elsewhere(rests, seen, unseen):
+    """The travel is +-200 deg, 3.4907 rad: what seems to be a little beyond it is a whole turn from nothing."""
+    feedback = GimbalFeedback(-3.4907, 3.4907, max_speed=1.5)
+    for index in range(40):
+        yaw = min(index * 0.1, rests)
+        on_report(feedback, 10.0 + index * 0.1, math.remainder(yaw, math.tau), index * 0.1)
+    on_report(feedback, 20.0, math.remainder(rests, math.tau), 10.0)
+    assert feedback.angle == pytest.approx(seen)
+    assert feedback.unseen is unseen
+
+
+def test_a_gimbal_that_turns_farther_than_is_asked_for_is_believed_there():
+    feedback = GimbalFeedback(-3.4907, 3.4907, max_speed=1.5)
+    feedback.reach(-4.0, 4.0)
+    for index in range(50):
+        on_report(feedback, 10.0 + index * 0.1, math.remainder(min(index * 0.1, 3.9), math.tau), index * 0.1)
+    assert feedback.angle == pytest.approx(3.9)
+    assert not feedback.unseen

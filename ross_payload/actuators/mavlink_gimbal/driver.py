@@ -29,7 +29,6 @@ from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
 
 # between those of a gimbal that rests at its goal [s]; a device gives up a manager silent for about 1 s
 HOLD_PERIOD_S = 0.1
-MARGIN_RAD = math.radians(5)  # by which a gimbal that rests at an end of its travel may seem to be beyond it
 RESUME_S = 0.1  # [s] after a silence in which reports that have waited on their way arrive all at once
 SETTLE_TIMEOUT_S = 1.0  # [s] at most after the end of a motion, until control is released
 
@@ -73,9 +72,6 @@ class MavlinkGimbal(Driver):
         """Take in what has arrived."""
         for received in self._port.receive():
             self._on_packet(received, now)
-        seen, able = self._feedback, self.capabilities
-        if self._plan.motion is None and not able.lower - MARGIN_RAD <= seen.angle <= able.upper + MARGIN_RAD:
-            seen.count_anew()  # others have turned it, and not all of it was heard
 
     def obey(self, request: Move | Request, now: float) -> None:
         """Plan, claim control or give it back; a release decelerates: the protocol switches no motors off."""
@@ -110,6 +106,7 @@ class MavlinkGimbal(Driver):
             self._port.send(message)
         if self._found_at == -math.inf and peer.travel is not None:
             self._found_at = now
+            self._feedback.reach(peer.travel.lower, peer.travel.upper)
         if not peer.ready or peer.trouble() or self._options.travel_trouble(peer.travel):
             self._stand_aside(peer, now)
             return
@@ -163,6 +160,7 @@ class MavlinkGimbal(Driver):
         if packet.name == "HEARTBEAT":
             found = self._search.on_heartbeat(packet.message, sender, now)
             if found is not self._peer:
+                self._feedback.cable = found is not None and not isinstance(found, GimbalDeviceClient)
                 self._peer, self._plan.motion, self._found_at = found, None, -math.inf
         if self._peer is None:
             return

@@ -14,6 +14,7 @@ VEHICLE_TIMEOUT_S = 0.5  # [s]: a vehicle's attitude that is older turns no yaw 
 # [s] after a report of the device itself in which its manager's prove nothing: for 1 s they repeat it
 OWN_REPORT_S = 2.0
 JUMP_RAD, OVERSPEED = math.radians(2), 1.5  # no gimbal turns farther between two reports, nor faster than this share
+MARGIN_RAD = math.radians(5)  # by which a gimbal at an end of its travel may seem to be beyond it
 JUMP_WEIGHT, MAX_JUMPS = 6, 12  # of a jump against a report without one, and the balance that is no accident
 
 
@@ -24,7 +25,7 @@ class GimbalFeedback:
     lower: float  # travel [rad]
     upper: float
     max_speed: float  # [rad/s]
-    cable: bool = True  # turns count: a cable ends them
+    cable: bool = True  # turns count, since a cable ends them, and others may turn it
     angle: float = 0.0  # joint angle [rad]
     rate: float = 0.0  # [rad/s]
     time: float = -math.inf  # when it was there [s]; minus infinity: none yet
@@ -40,6 +41,11 @@ class GimbalFeedback:
     _jumps: int = 0
     _vehicle: tuple[float, VehicleAttitude] | None = None
     _known: bool = False  # a turn was chosen
+    _ends: tuple[float, float] = (math.nan, math.nan)  # between which it can turn [rad]
+
+    def __post_init__(self) -> None:
+        """Take it for one that turns as far as is asked for."""
+        self.reach(self.lower, self.upper)
 
     @property
     def jumps(self) -> bool:
@@ -85,6 +91,10 @@ class GimbalFeedback:
         """Choose the turn inside the travel again."""
         self.angle = self._first(wrap(self.angle))
 
+    def reach(self, lower: float, upper: float) -> None:
+        """Learn how far it can turn [rad], where that is farther than we ask for; NaN: not known."""
+        self._ends = min(self.lower, lower), max(self.upper, upper)
+
     def trust_turn(self) -> None:
         """Believe that it has not turned round unseen, as somebody says."""
         self.unseen = False
@@ -104,10 +114,11 @@ class GimbalFeedback:
     def _update(self, yaw: float, rate: float | None, time: float) -> None:
         passed = time - self.time
         half = self.cable and math.pi / self.max_speed < passed < math.inf  # long enough for half a turn
-        doubtful = self._known and (half or self.unseen)
-        self.unseen = doubtful and len(self._turns(wrap(yaw))) > 1
-        goes_on = self._known and (self.unseen or not doubtful)
-        angle = self.angle + wrap(yaw - self.angle) if goes_on else self._first(wrap(yaw))
+        doubtful, turns = self._known and (half or self.unseen), self._turns(wrap(yaw), *self._ends, MARGIN_RAD)
+        self.unseen = doubtful and len(turns) > 1
+        goes_on = self._known and (self.unseen or not (doubtful and turns))
+        first = turns[0] if doubtful and turns else self._first(wrap(yaw))
+        angle = self.angle + wrap(yaw - self.angle) if goes_on else first
         self.rate = (angle - self.angle) / passed if rate is None and 0 < passed < VEHICLE_TIMEOUT_S else rate or 0.0
         jumped = goes_on and abs(angle - self.angle) > JUMP_RAD + OVERSPEED * self.max_speed * max(passed, 0.0)
         self._jumps = min(self._jumps + JUMP_WEIGHT, 2 * MAX_JUMPS) if jumped else max(self._jumps - 1, 0)
@@ -115,9 +126,9 @@ class GimbalFeedback:
 
     def _first(self, yaw: float) -> float:
         """Choose a turn inside the travel; where two are, the one near zero."""
-        return next(iter(self._turns(yaw)), yaw)
+        return next(iter(self._turns(yaw, self.lower, self.upper)), yaw)
 
-    def _turns(self, yaw: float) -> list[float]:
-        """Return the joint angles inside the travel that have a yaw, the one near zero first."""
+    def _turns(self, yaw: float, lower: float, upper: float, margin: float = 0.0) -> list[float]:
+        """Return the joint angles inside a travel that have a yaw, the one near zero first."""
         turns = (yaw, yaw - 2 * math.pi, yaw + 2 * math.pi)
-        return [turn for turn in turns if self.lower <= turn <= self.upper]
+        return [turn for turn in turns if lower - margin <= turn <= upper + margin]
