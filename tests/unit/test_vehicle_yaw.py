@@ -438,6 +438,13 @@ def test_in_hold_nobody_is_sent_back_to_the_height_of_a_minute_ago():
     assert bench.yaw_deg == pytest.approx(0.0, abs=0.5)
 
 
+def test_a_turn_in_hold_keeps_the_height_with_which_it_began():
+    bench = in_a_turn("hold", 0.0)
+    bench.far_end.autopilot.withhold(GLOBAL_POSITION)
+    bench.clock.sleep(3.0)
+    assert bench.state.healthy
+
+
 def test_attitudes_that_stop_end_a_turn():
     bench = in_a_turn("ardupilot", 0.0)
     bench.far_end.afflict(Fault.SILENT)

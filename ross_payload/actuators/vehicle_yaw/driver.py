@@ -282,7 +282,9 @@ class VehicleYaw(Driver):
 
     def _ignorance(self, now: float) -> str:
         """Say what has not been told that must be known in a turn; the autopilot has just been asked for it."""
-        return self._watch.ignorance(now) or (self._commands.missing(now) if self._commands is not None else "")
+        begins = self._pending is not None or self._plan.motion is None  # in a turn its place and height are known
+        unknown = self._commands.missing(now) if self._commands is not None and begins else ""
+        return self._watch.ignorance(now) or unknown
 
     def _trouble(self, now: float) -> str:
         """Say what is wrong; whether it may be turned matters to a task only."""
