@@ -15,12 +15,20 @@ from types import TracebackType
 from typing import Self
 
 from ross_payload import config
-from ross_payload.actuators.guard_checks import checked_angle, checked_rate, doubt, driver_broke, guarded, judged_at
+from ross_payload.actuators.guard_checks import (
+    STILL_RAD_S,
+    checked_angle,
+    checked_rate,
+    doubt,
+    driver_broke,
+    guarded,
+    judged_at,
+)
 from ross_payload.actuators.motion_monitor import PARKING, MotionMonitor
 from ross_payload.errors import ActuatorError, ActuatorFault, ConfigError, NotHomed, RossError
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, SharedControl
 
-TURNS_ON = "and it still turns after the stop"
+TURNS_ON, UNKNOWN = "and it still turns after the stop", "and nobody knows whether it stands"
 
 
 class Guard:
@@ -173,7 +181,9 @@ class Guard:
         elif self._failed:
             self._act(may_park=False)
         if at_fault and turns_on:
-            self._later = self._later or TURNS_ON
+            state = self._read()
+            turns = abs(state.rate) > STILL_RAD_S and not self._doubt(state)
+            self._later = self._later or (TURNS_ON if turns else UNKNOWN)
             self._act(may_park=False)
 
     def __enter__(self) -> Self:

@@ -124,6 +124,15 @@ def test_nobody_parks_after_a_stop() -> None:
     assert on.device.asked[1:] == ["stop"] * 4  # at once, when it was to be at rest, and every second since
 
 
+def test_of_a_device_that_falls_silent_in_a_move_nobody_says_that_it_turns() -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.device.now = replace(on.device.now, rate=1.0)
+    on.device.silent = True
+    on.clock.sleep(20.0)
+    assert on.guard.state().fault.endswith("; and nobody knows whether it stands")
+
+
 def test_a_device_that_turns_on_with_any_fault_is_told_to_stop_every_second() -> None:
     on = bench()
     on.guard.command(1.0)
