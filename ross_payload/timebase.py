@@ -71,6 +71,7 @@ class Timebase:
         self._asked: deque[int] = deque(maxlen=4)  # times of our requests [ns]
         self._trips: deque[tuple[float, float]] = deque(maxlen=SAMPLES)  # round trip, our clock less theirs [s]
         self._boot = -math.inf  # its latest time since its start [s]
+        self._behind = False  # the latest one was from long before
         self._epoch: float | None = None  # UNIX time at 0 of our clock [s]
         self._last = 0
 
@@ -102,14 +103,23 @@ class Timebase:
             return
         elif isinstance(said, TimeSync) and said.answered is not None:
             self._measure(said.asked, said.answered)
-        elif isinstance(said, SystemTime) and said.unix is not None and said.unix < PLAUSIBLE:
-            if said.boot < self._boot - ORDER_S:
-                self._trips.clear()  # it has started anew
-            self._boot = said.boot
-            self._set(said.unix - (self.local(said.boot) or self._clock.now()))
+        elif isinstance(said, SystemTime):
+            self._on_time(said)
         elif received.packet.name == "HEARTBEAT":
             self._asked.append(self._nanoseconds())
             self._send(TimeSync(self._asked[-1]), received.link)
+
+    def _on_time(self, said: SystemTime) -> None:
+        """Take what its clocks say; two in a row that are far behind mean that it has started anew, one is late."""
+        behind = said.boot < self._boot - ORDER_S
+        if behind and not self._behind:
+            self._behind = True
+            return
+        if behind:
+            self._trips.clear()
+        self._boot, self._behind = said.boot, False
+        if said.unix is not None and said.unix < PLAUSIBLE:
+            self._set(said.unix - (self.local(said.boot) or self._clock.now()))
 
     def _answer(self, request: TimeSync, link: str) -> None:
         now = self._clock.now()

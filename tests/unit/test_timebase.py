@@ -168,7 +168,22 @@ def test_the_time_of_an_autopilot_that_has_rebooted_is_believed_before_it_answer
     voice.call(Heard(vehicle.system_time(SystemTime(clock.now() + 3600.0, UNIX + clock.now()))))
     clock.sleep(3.0)
     voice.call(Heard(vehicle.system_time(SystemTime(1.0, UNIX + clock.now()))))
+    clock.sleep(1.0)
+    voice.call(Heard(vehicle.system_time(SystemTime(2.0, UNIX + clock.now()))))
     assert timebase.usec() / 1e6 == pytest.approx(UNIX + clock.now(), abs=0.1)
+
+
+def test_a_late_copy_of_the_time_is_no_reboot(bench):
+    """Two links of one autopilot, one of them 1.6 s late."""
+    clock, voice, timebase = bench
+    trip(bench, 0.02, 0.02, ahead=3600.0)
+    for _ in range(10):
+        now = clock.now()
+        voice.call(Heard(vehicle.system_time(SystemTime(now + 3600.0, UNIX + now))))
+        voice.call(Heard(vehicle.system_time(SystemTime(now + 3600.0 - 1.6, UNIX + now - 1.6))))
+        clock.sleep(1.0)
+        assert timebase.local(clock.now() + 3600.0) is not None
+    assert timebase.usec() / 1e6 == pytest.approx(UNIX + clock.now(), abs=0.05)
 
 
 @pytest.mark.parametrize("roll", [math.inf, -math.inf, math.nan])
