@@ -79,6 +79,7 @@ def test_zeros_in_front_silence_nobody() -> None:
     live, (_, heard) = load_separator("gaussian").live(), mixture(frames=60)
     silent = np.zeros((2, FREQUENCIES.size, 5), heard.dtype)
     found = listened(live, np.concatenate([silent, heard], axis=2), replace(SCENE, noise_psd=None), renew=16)
+    assert found.dtype == np.complex64
     assert np.isfinite(found).all()
     assert (np.abs(found).max(axis=(0, 1))[10:] > 0).all()
 
