@@ -198,7 +198,7 @@ class CommandProtocol:
                 self._end(one, CANCELLED, REPLACED)
             elif unanswered and one.order.task and (order.task or isinstance(order, Cancel)):
                 self._give_up(one, OVERTAKEN)
-            if one.over and one.order.number == order.number:
+            elif one.over and one.order.number == order.number:
                 del self._open[one.number]
 
     def _resend(self, one: _OpenCommand) -> None:

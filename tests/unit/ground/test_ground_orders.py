@@ -279,6 +279,15 @@ def test_a_task_that_was_heard_after_all_is_followed_though_another_came(script)
     assert script.states()[0] == "in_progress"
 
 
+def test_a_turn_that_was_heard_after_all_is_done_though_another_turn_was_refused(script):
+    script.orders.order(WHO, Turn(40))
+    script.wait(0.2)
+    script.orders.order(WHO, Turn(60))
+    script.ack(TURN, Result.TEMPORARILY_REJECTED)
+    script.ack(TURN, Result.ACCEPTED)
+    assert script.states() == ["done", "refused"]
+
+
 def test_of_start_and_stop_recording_the_later_one_is_meant(script):
     script.orders.order(WHO, Record(True))
     script.wait(0.9)
