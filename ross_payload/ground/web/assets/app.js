@@ -12,7 +12,7 @@ import { header } from "./parts/header.js";
 import { joined } from "./parts/comparison.js";
 import { answered } from "./parts/playback.js";
 import { routeOf, titleOf } from "./route.js";
-import { followed } from "./stop.js";
+import { followed, noted, withStopped } from "./stop.js";
 import { applyTheme, readTheme } from "./theme.js";
 import { fleetView } from "./views/fleet.js";
 import { flightsView } from "./views/flights.js";
@@ -65,6 +65,7 @@ class Page {
         if (this.shut.has(message.slot)) return; // it was on its way when the slot was closed
         const before = this.store;
         this.store = take(before, message, performance.now());
+        this.ui = { ...this.ui, stop: noted(this) };
         this.onMessage(message, before);
       },
       up: () => this.changeSocket({ up: true, ever: true, since: performance.now() }),
@@ -95,8 +96,7 @@ class Page {
       this.send({ type: "flight", slot, seek: each.flight.at });
       if (each.payload) this.send({ type: "flight", slot, watch: each.payload.id });
     }
-    const { stop } = this.ui; // one that seemed to leave may have been lost with the old socket
-    if (stop && !stop.confirmed && (stop.waiting || performance.now() - stop.at < SAID_AGAIN)) this.stop(stop.ids);
+    this.stopAgain();
   }
 
   changeSocket(socket) {
@@ -133,13 +133,26 @@ class Page {
   }
 
   order(id, order) {
+    if (order.kind === "rearm") this.ui = { ...this.ui, stop: withStopped(this.ui.stop, [id]) }; // it shall move again
     return this.send({ type: "order", id, order });
   }
 
   /** Stop these payloads. Without a link it is sent as soon as there is one: a late stop still stops. */
   stop(ids) {
     const sent = this.over !== "" || ids.map((id) => this.order(id, { kind: "stop" })).every(Boolean);
-    this.change({ stop: { ids, at: performance.now(), now: this.now(), waiting: !sent } });
+    this.change({ stop: { ids, at: performance.now(), now: this.now(), waiting: !sent, stopped: [] } });
+  }
+
+  /** Say a stop again to whom it has not stopped: it may have been lost with the old socket. */
+  stopAgain() {
+    const { stop } = this.ui;
+    if (!stop || stop.confirmed || !(stop.waiting || performance.now() - stop.at < SAID_AGAIN)) return;
+    const sent = stop.ids
+      .filter((id) => !stop.stopped.includes(id))
+      .map((id) => this.order(id, { kind: "stop" }))
+      .every(Boolean);
+    const at = stop.waiting ? performance.now() : stop.at;
+    this.change({ stop: { ...stop, at, now: this.now(), waiting: !sent } });
   }
 
   closeSlot(slot) {

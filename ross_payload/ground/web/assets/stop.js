@@ -32,6 +32,22 @@ export function followed(page) {
   return stop && !stop.confirmed && stopFate(page) === STOPPED ? { ...stop, confirmed: performance.now() } : stop;
 }
 
+/** The latest stop, with those whom it has stopped so far: a payload that is armed again is not stopped once more. */
+export function noted(page) {
+  const { stop } = page.ui;
+  if (!stop || stop.confirmed) return stop;
+  return withStopped(
+    stop,
+    stop.ids.filter((id) => fateOf(page, id, stop) === "stopped"),
+  );
+}
+
+/** A stop, if any, that is over for these payloads. */
+export function withStopped(stop, ids) {
+  const more = stop ? ids.filter((id) => !stop.stopped.includes(id)) : [];
+  return more.length ? { ...stop, stopped: [...stop.stopped, ...more] } : stop;
+}
+
 const OVER = "The simulation has ended: there is nothing to stop";
 const NONE = { words: "", level: "" };
 const STOPPED = { words: "Stopped", level: "good" };
