@@ -12,6 +12,7 @@ from ross_payload.voiceprint.built_in import built_in_model
 from ross_sim.study import calibrate_voice_model
 from ross_sim.study.calibrate_voice_model import (
     BUILT_IN_MARGIN,
+    BUILT_IN_POOR_MARGIN,
     MARGIN,
     POOR,
     POOR_MARGIN,
@@ -100,7 +101,7 @@ def similarities(mean: float, poorness: float = 0.0) -> list[Comparison]:
     ("model", "margins"),
     [
         (SimpleNamespace(fingerprint="of a network"), (MARGIN, POOR_MARGIN)),
-        (built_in_model(), (BUILT_IN_MARGIN, BUILT_IN_MARGIN)),
+        (built_in_model(), (BUILT_IN_MARGIN, BUILT_IN_POOR_MARGIN)),
     ],
 )
 @pytest.mark.parametrize("poorness", [POOR + 0.1, POOR - 0.1])

@@ -129,7 +129,7 @@ def test_a_soft_voice_sounds_more_like_its_own_print_and_not_more_like_others(so
     as_poor = mean_scores(prints, kept)
     assert parts[0] > as_it_is[0] + 1
     assert (parts[1:] < as_it_is[1:] + 1).all()
-    assert 2 < as_poor[0] < 0.85 * parts[0]  # less is certain
+    assert 2 < as_poor[0] < 0.9 * parts[0]  # less is certain
     assert (as_poor[0] - as_poor[1:] < parts[0] - parts[1:] - 1).all()
 
 

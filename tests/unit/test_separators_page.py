@@ -1,6 +1,7 @@
 import re
 from pathlib import Path
 
+from ross_payload.plugin_checks import load_separator
 from ross_payload.plugins import available
 from ross_payload.separation.auto_separator import ANY, INFORMED, UNMIXING
 from ross_sim.study.oracle_separators import ORACLES
@@ -23,7 +24,7 @@ def test_the_page_lists_every_separator_that_is_built_in() -> None:
 
 
 def test_the_page_says_which_ones_auto_takes() -> None:
-    taken = {separator.name for separator in (INFORMED, UNMIXING, ANY)}
+    taken = {separator.name for separator in (INFORMED, UNMIXING, ANY)} | {load_separator("auto").live(0).name}
     rows = _rows("# Separators")
     assert {name for name in rows if rows[name][-1] not in ("never", "")} == taken
 
