@@ -445,6 +445,20 @@ def test_a_turn_in_hold_keeps_the_height_with_which_it_began():
     assert bench.state.healthy
 
 
+def test_a_turn_that_ends_because_nothing_is_told_any_more_is_a_fault_and_nowhere_settled():
+    """At its beginning, when what was asked for may still be on its way."""
+    bench = Bench("ardupilot", settle_ms=100)
+    bench.far_end.afflict(Fault.STALL)
+    bench.clock.sleep(3.0)
+    bench.actuator.command(math.radians(-200))
+    bench.clock.sleep(0.6)
+    bench.far_end.afflict(Fault.SILENT)
+    for _ in range(150):
+        bench.clock.sleep(QUANTUM)
+        assert not bench.state.settled
+    assert not bench.state.healthy
+
+
 def test_attitudes_that_stop_end_a_turn():
     bench = in_a_turn("ardupilot", 0.0)
     bench.far_end.afflict(Fault.SILENT)

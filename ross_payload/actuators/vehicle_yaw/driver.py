@@ -58,6 +58,7 @@ class VehicleYaw(Driver):
         self._stopping = -math.inf  # when the last stop was sent [s]; minus infinity: none is under way
         self._yielded = False  # since the last goal the vehicle was left to others
         self._turning = False  # a goal was given, and is not reached yet
+        self._ended = ""  # why a turn has ended this moment
         self._stands = False  # and stands since then
         self._near = -math.inf  # when it was about where it should be last [s]
         self._us: ComponentId | None = None
@@ -110,7 +111,9 @@ class VehicleYaw(Driver):
         if commands is None:
             return
         commands.look(now)
-        if self._matters and (self._fault or self._objection(now)):
+        why, self._ended = (self._fault or self._objection(now)) if self._matters else "", ""
+        if why:
+            self._ended = why if self._turning or self._pending is not None else ""
             self._yield(commands, now)
         if self._pending is not None and not self._ignorance(now):
             self._begin(self._pending, commands, now)
@@ -288,7 +291,7 @@ class VehicleYaw(Driver):
 
     def _trouble(self, now: float) -> str:
         """Say what is wrong; whether it may be turned matters to a task only."""
-        unknown = self._watch.missing() or self._fault or diagnostics.contradiction(self._feedback)
+        unknown = self._watch.missing() or self._fault or self._ended or diagnostics.contradiction(self._feedback)
         return unknown or (self._objection(now) if self._matters else diagnostics.silence(self._feedback, now))
 
     @property
