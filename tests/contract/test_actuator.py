@@ -24,6 +24,15 @@ pytestmark = pytest.mark.lockstep
 
 
 TOLD_OTHERWISE = ("mavlink_gimbal:manager", "dronecan_servo:gimbal", "vehicle_yaw:offboard")  # what a goal is said with
+# [s]: after a longer pause of the payload the watchdog of a device, its autopilot or the guard has ended the move
+LONGEST_PAUSE = {
+    "tb6600": 0.0,
+    "tb6600:switch": 0.0,
+    "canopen_drive": 0.3,
+    "grbl": 0.4,
+    "mavlink_gimbal:manager": 0.4,
+    "vehicle_yaw:offboard": 0.4,
+}
 ROLES = {  # that run with every test; the other tests take every back end in its first role, and all roles in soak
     "test_it_reaches_every_goal_the_long_way_round_too_and_settles_there": TOLD_OTHERWISE,
     "test_stop_halts_within_the_braking_distance_and_100_ms_of_travel": TOLD_OTHERWISE,
@@ -145,6 +154,31 @@ def test_stop_ends_a_turn_back_and_forth_and_the_next_goal_of_it_is_refused(rig:
     braking = sweep.rate**2 / (2 * ACCELERATION)
     assert 0.0 <= here - rig.far_end.angle() <= braking + (0.1 + rig.late) * sweep.rate + SWING
     assert rig.far_end.complaints() == []
+
+
+def test_a_move_goes_on_after_the_payload_was_held_up(rig: Rig, kind: str) -> None:
+    """What is led by set-points has come to rest meanwhile, and is led on from there."""
+    begin_a_move_and_pause(rig, LONGEST_PAUSE.get(kind, 3.0))
+    rig.settle(within=6.0)
+    assert rig.far_end.angle() == pytest.approx(rig.upper - 0.2, abs=rig.tolerance)
+    assert rig.far_end.complaints() == []
+
+
+@pytest.mark.parametrize("pause", [0.3, 0.4, *in_soak(1.0, 3.0)])
+def test_a_stop_after_the_payload_was_held_up_halts_as_any_other(rig: Rig, pause: float) -> None:
+    begin_a_move_and_pause(rig, pause)
+    here = rig.far_end.angle()
+    rig.actuator.stop()
+    rig.clock.sleep(2.0)
+    assert rig.state.rate == 0.0
+    assert abs(rig.far_end.angle() - here) <= rig.speed**2 / (2 * ACCELERATION) + (0.1 + rig.late) * rig.speed + SWING
+    assert rig.far_end.complaints() == []
+
+
+def begin_a_move_and_pause(rig: Rig, pause: float) -> None:
+    rig.actuator.command(rig.upper - 0.2)
+    rig.clock.sleep(0.8)
+    rig.pause(pause)
 
 
 @pytest.mark.on_device

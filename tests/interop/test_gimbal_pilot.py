@@ -12,6 +12,8 @@ from waiting import wait_for
 TURN, STOP, PARK, REARM, HOME = 54003, 54004, 54006, 54009, 54010
 ITSELF, NOBODY = -2.0, -3.0
 SELF, FREE = (255, 190), (0, 0)
+BUSY, GOING_ON = 1, 5
+HELD_UP = ("fault: no data from the autopilot", "fault: no attitude received from the gimbal")
 
 
 @pytest.fixture(scope="module")
@@ -77,8 +79,7 @@ def named(pilot, count, words):
 
 
 def test_an_autopilot_that_freezes_in_mid_move_is_named_and_home_brings_all_back(pilot):
-    autopilot, before = pilot.autopilot, len(pilot.faults())
-    begin_a_move(pilot)
+    autopilot, before = pilot.autopilot, begin_a_move(pilot)
     autopilot.freeze()
     named(pilot, before, "no data from the autopilot")
     autopilot.go_on()
@@ -91,8 +92,7 @@ def test_an_autopilot_that_freezes_in_mid_move_is_named_and_home_brings_all_back
 
 def test_after_a_reboot_of_the_autopilot_in_mid_move_a_rival_stays_in_control_until_an_order(pilot):
     """A killed autopilot is named; one that has rebooted says that nobody is in control."""
-    autopilot, before = pilot.autopilot, len(pilot.faults())
-    begin_a_move(pilot)
+    autopilot, before = pilot.autopilot, begin_a_move(pilot)
     autopilot.kill()
     named(pilot, before, "no data from the autopilot")
     autopilot.start()
@@ -109,8 +109,7 @@ def test_after_a_reboot_of_the_autopilot_in_mid_move_a_rival_stays_in_control_un
 
 
 def test_a_pilot_who_takes_control_in_mid_move_is_named_and_keeps_it(pilot):
-    before = len(pilot.faults())
-    begin_a_move(pilot)
+    before = begin_a_move(pilot)
     assert pilot.configure(ITSELF) == ACCEPTED
     named(pilot, before, "component 190 of system 255 has taken control of the gimbal")
     assert pilot.point(50.0) == ACCEPTED
@@ -141,7 +140,25 @@ def park(pilot):
 
 
 def begin_a_move(pilot):
-    """Order a long turn and wait until it is going on."""
-    park(pilot)
-    pilot.ground.command(TURN, 85.0)
-    pilot.until(lambda: pilot.yaw() > 5.0)
+    """Order a long turn, wait until it is going on, and return how many faults were told before.
+
+    It is ordered again when the end of an earlier parking was taken for that of this one, or when the computer had no
+    time for the autopilot.
+    """
+    while True:
+        park(pilot)
+        before, acks = len(pilot.faults()), len(pilot.ground.of("COMMAND_ACK"))
+
+        def against(before=before, acks=acks):
+            answers = [ack.result for ack in pilot.ground.of("COMMAND_ACK")[acks:] if ack.command == TURN]
+            return [line["message"] for line in pilot.faults()[before:]], [one for one in answers if one != GOING_ON]
+
+        pilot.ground.command(TURN, 85.0)
+        pilot.until(lambda: pilot.yaw() > 5.0 or any(against()), what=against)
+        if pilot.yaw() > 5.0:
+            return before
+        faults, answers = against()
+        assert all(fault.startswith(HELD_UP) for fault in faults)
+        assert faults or answers == [BUSY]
+        pilot.hears_the_payload()
+        assert not faults or pilot.ground.obeyed(HOME) == ACCEPTED

@@ -111,6 +111,7 @@ class Rig:
     upper: float = UPPER  # a goal near the end of the travel [rad]
     opening: float = 0.2  # [s]
     patience: float = 1.0  # times what is allowed for settling
+    held_up: bool = False  # nobody polls
 
     def open(self) -> Rig:
         self.actuator.__enter__()
@@ -121,6 +122,12 @@ class Rig:
             self.actuator.command(0.0)
             self.settle(within=5.0)
         return self
+
+    def pause(self, duration: float) -> None:
+        """Have the payload do nothing for a while [s], as on a computer that has no time for it."""
+        self.held_up = True
+        self.clock.sleep(duration)
+        self.held_up = False
 
     def home(self) -> None:
         """Home, and wait until the zero is known and it stands there."""
@@ -164,10 +171,11 @@ def rig_of(kind: str, **guard: Any) -> Rig:
     clock.before_calls(far_end.advance)
     wire = CuttableWire(far_end.port)
     actuator = open_actuator(config, Services(clock, lambda url: wire))
-    clock.every(QUANTUM, lambda: actuator.poll(clock.now()))
     told = getattr(plugin, "slack", {})  # of a plug-in: what its device needs
     slack = LAG.get(kind, told.get("lag", 0.0)), RIPPLE.get(kind, told.get("ripple", 0.0))
     late, opening = LATE.get(kind, told.get("late", 0.0)), OPENING.get(kind, told.get("opening", 0.2))
     able = actuator.capabilities
     speed, upper = min(SPEEDS.get(kind, SPEED), able.max_speed), min(UPPER, able.upper)
-    return Rig(clock, far_end, wire, actuator, *slack, speed=speed, late=late, upper=upper, opening=opening)
+    rig = Rig(clock, far_end, wire, actuator, *slack, speed=speed, late=late, upper=upper, opening=opening)
+    clock.every(QUANTUM, lambda: rig.held_up or actuator.poll(clock.now()))
+    return rig

@@ -58,6 +58,7 @@ class DronecanServo(Driver):
 
     def read(self, now: float) -> None:
         """Read the bus; remember the newest place; latch what is wrong with it or with the bus."""
+        self._go_on(now)
         client = self._client
         client.read(now)
         if client.event:
@@ -146,6 +147,14 @@ class DronecanServo(Driver):
         if not velocity:
             self._due = min(self._due, now)  # at once
 
+    def _go_on(self, now: float) -> None:
+        """Go on after a gap in the set-points: the servo has come to rest at the last one."""
+        motion = self._motion
+        if motion is not None and now - self._due > SET_POINT_GAP_S and motion.end > self._due:
+            plan = motion.plan
+            there = motion.at(self._due + self._lag)[0]
+            self._motion = Motion(Trapezoid(there, plan.goal, plan.speed, plan.acceleration), now)
+
     def _home(self, now: float) -> None:
         self._fault, self._homed = "", False
         if not self._measured:
@@ -167,12 +176,8 @@ class DronecanServo(Driver):
     # ------------------------------------------------------------------------------------------ out
 
     def write(self, now: float) -> None:
-        """Send the set-point that is due; after a gap the servo is at rest, so that the plan begins anew from there."""
+        """Send the set-point that is due."""
         if self._motion is not None and now >= self._due - TIME_TOLERANCE_S:
-            if now - self._due > SET_POINT_GAP_S and (motion := self._motion).end > self._due:
-                plan = motion.plan
-                there = motion.at(self._due + self._lag)[0]
-                self._motion = Motion(Trapezoid(there, plan.goal, plan.speed, plan.acceleration), now)
             self._due = (self._due if now - self._due < SET_POINT_PERIOD_S else now) + SET_POINT_PERIOD_S
             ahead = SET_POINT_PERIOD_S + self._lag  # where it should be when the next one comes, had it no lag
             self._client.command(self._motion.at(now + ahead)[0])

@@ -72,6 +72,8 @@ class MavlinkGimbal(Driver):
         """Take in what has arrived."""
         for received in self._port.receive():
             self._on_packet(received, now)
+        if not self._blind and now - self._feedback.time <= diagnostics.STALE_REPORT_S:
+            self._plan.go_on(self._feedback, now)
 
     def obey(self, request: Move | Request, now: float) -> None:
         """Plan, claim control or give it back; a release decelerates: the protocol switches no motors off."""

@@ -10,6 +10,7 @@ from ross_payload.actuators.motion import Motion, Trapezoid
 from ross_payload.interfaces import Capabilities
 
 SET_POINT_PERIOD_S = 0.02  # between set-points [s]
+PAUSE_S = 0.25  # longer without the next set-point, and what follows them has come to rest at the last one [s]
 ROUNDING_S = 1e-9  # [s], of rounding
 STILL_RAD_S = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
 
@@ -66,6 +67,17 @@ class SetPoints:
             self._go(self._to_rest(position, rate), now)
         else:
             self.hold(position, now)
+
+    def go_on(self, seen: GimbalFeedback, now: float) -> None:
+        """Go on to the goal from where it is seen, if this program was held up in the middle of a move."""
+        motion = self.motion
+        if motion is None:
+            return
+        last = max(self.sent, motion.begin)
+        if now - last > self.ahead + PAUSE_S and motion.end > last:
+            position, rate = self._there(seen, now)
+            plan = motion.plan
+            self._go(Trapezoid(position, plan.goal, plan.speed, plan.acceleration, rate), now)
 
     def brake(self, seen: GimbalFeedback, now: float) -> None:
         """Brake what somebody else turns."""

@@ -85,6 +85,8 @@ class VehicleYaw(Driver):
             self._on_packet(received, now)
         if self._plan.motion is None and not self._inside(self._feedback.angle):
             self._feedback.count_anew()  # others have turned it round
+        if not (self._yielded or self._stopping > -math.inf) and now - self._feedback.time <= FRESH_S:
+            self._plan.go_on(self._feedback, now)
 
     def obey(self, request: Move | Request, now: float) -> None:
         """Plan, hold it for a task or not; a release is a stop: a vehicle in the air lets nothing go."""
