@@ -393,6 +393,69 @@ def test_attitudes_that_stop_end_a_turn():
     assert set(bench.orders(last + 2 * LATENCY)) <= {"stop"}
 
 
+# ------------------------------------------------------------------------------------------- frames that are lost
+
+
+@pytest.mark.parametrize("lost", [0, 1, 3, 6])
+def test_no_turn_begins_before_the_autopilot_holds_its_yaw(lost):
+    """Without it ArduCopter would begin at the heading of an earlier turn, and no stop would end it."""
+    bench = yawed_by_hand()
+    begin = bench.yaw_deg
+    bench.far_end.lost = lost
+    bench.actuator.command(bench.state.angle + math.radians(10))
+    seen = []
+    for _ in range(500):
+        bench.clock.sleep(QUANTUM)
+        seen.append(bench.yaw_deg)
+    assert begin - 1.0 <= min(seen) and max(seen) <= begin + 11.0
+    assert bench.state.settled
+    assert bench.yaw_deg == pytest.approx(begin + 10.0, abs=1.0)
+
+
+def test_an_autopilot_that_acknowledges_nothing_is_turned_nowhere():
+    bench = yawed_by_hand()
+    begin = bench.yaw_deg
+    bench.far_end.lost = 1000
+    bench.actuator.command(bench.state.angle + math.radians(10))
+    assert bench.fault(within=2.5) > 1.9
+    assert bench.state.fault == "the autopilot does not acknowledge CONDITION_YAW; home and rearm"
+    bench.far_end.lost = 0
+    bench.clock.sleep(3.0)
+    assert bench.yaw_deg == pytest.approx(begin, abs=1.0)
+    bench.actuator.home()
+    bench.clock.sleep(0.5)
+    bench.actuator.rearm()
+    bench.turn(math.degrees(bench.state.angle) + 10.0)
+    assert bench.yaw_deg == pytest.approx(begin + 10.0, abs=1.0)
+
+
+def yawed_by_hand():
+    """Return the bench of an ArduCopter that its pilot has turned far since it was turned last, and given back."""
+    bench = Bench()
+    bench.modes.enter(LOITER, bench.clock.now())
+    bench.far_end.push(-400.0)
+    bench.clock.sleep(1.8)
+    bench.far_end.push(0.0)
+    bench.clock.sleep(1.5)
+    bench.modes.enter(GUIDED, bench.clock.now())
+    bench.clock.sleep(0.5)
+    assert abs(bench.yaw_deg) > 100.0
+    return bench
+
+
+def test_a_px4_in_hold_turns_and_answers_that_it_does_not_support_it():
+    """Its commander has no mode to change; its navigator obeys."""
+    bench = Bench("hold")
+    order = vehicle_control.reposition(VEHICLE, math.radians(40), 100.0)
+    (packet,) = Decoder().feed(Encoder(*US).encode(order))
+    (answer,) = bench.far_end.autopilot.on_packet(packet, bench.clock.now())
+    assert answer.result == common.MAV_RESULT_UNSUPPORTED
+    bench.clock.sleep(4.0)
+    assert bench.yaw_deg == pytest.approx(40.0, abs=1.0)
+    bench.turn(-20.0)
+    assert bench.state.healthy
+
+
 # ------------------------------------------------------------------------------------------- what is on the wire
 
 

@@ -6,6 +6,7 @@ import math
 
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
 from ross_payload.actuators.motion import Motion
+from ross_protocols.mavlink import vehicle_control
 from ross_protocols.mavlink.dialect import common
 
 # [s]: an attitude that is older proves nothing; less than guard.watchdog_s, which cannot say who is silent
@@ -15,6 +16,17 @@ LATE_ATTITUDE_S = STALE_ATTITUDE_S / 2  # [s] of an attitude on its way, which n
 MAX_LAG_RAD, MAX_LAG_S = math.radians(10), 0.5
 ARRIVAL_TIMEOUT_S = 3.0  # a vehicle may be off its goal at the end of its time, and in a gust
 WELCOME = (common.MAV_RESULT_ACCEPTED, common.MAV_RESULT_IN_PROGRESS, common.MAV_RESULT_TEMPORARILY_REJECTED)
+
+
+def refusal(command: int, result: int) -> str:
+    """Say that an autopilot does not turn as it was told, by its answer.
+
+    A PX4 turns, and answers all the same that a DO_REPOSITION is not supported which changes no flight mode.
+    """
+    if result in WELCOME or (command, result) == (vehicle_control.DO_REPOSITION, common.MAV_RESULT_UNSUPPORTED):
+        return ""
+    name = "CONDITION_YAW" if command == vehicle_control.CONDITION_YAW else "DO_REPOSITION"
+    return f"the autopilot answers {name} with {vehicle_control.result_name(result)}; home and rearm"
 
 
 def contradiction(seen: GimbalFeedback) -> str:

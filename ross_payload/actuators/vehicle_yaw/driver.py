@@ -23,12 +23,14 @@ from ross_payload.actuators.vehicle_yaw.yaw_commands import YawCommands, command
 from ross_payload.interfaces import ActuatorState, Clock, Feedback, Port
 from ross_protocols.mavlink import vehicle, vehicle_control
 from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.gimbal_messages import GimbalAttitude
 from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
 
 STILL_RAD_S = math.radians(5)  # with which a vehicle that holds its yaw in wind swings
 FASTEST_RAD_S = math.radians(120)  # at which no payload turns a vehicle; a pilot may, a little faster
 ASKING_S = 2.0  # in which an autopilot must tell what it was asked for
+ASKING_PERIOD_S = 0.2  # between two times that it is asked to hold its yaw
 FRESH_S = 0.1  # an attitude that is older is no place to brake from
 STOP_PERIOD_S = 0.1  # between two stops, until the vehicle stands
 REMIND_PERIOD_S = 1.0  # between set-points of a vehicle that is not yet at its goal after its time
@@ -62,6 +64,9 @@ class VehicleYaw(Driver):
         self._stands = False  # and stands since then
         self._near = -math.inf  # when it was about where it should be last [s]
         self._us: ComponentId | None = None
+        self._asked_at = -math.inf  # since when the autopilot is asked to hold its yaw before a turn [s]
+        self._repeated_at = -math.inf  # when it was asked last [s]
+        self._accepted_at = -math.inf  # when it has accepted something last [s]
         self._fault = ""
         self._settled = False  # as last published
 
@@ -119,6 +124,8 @@ class VehicleYaw(Driver):
             self._yield(commands, now)
         if self._pending is not None and not self._ignorance(now):
             self._begin(self._pending, commands, now)
+        if self._pending is None:
+            self._asked_at = self._repeated_at = -math.inf
         self._look_whether_it_follows(commands, now)
         if self._stopping > -math.inf:
             self._go_on_stopping(commands, now)
@@ -162,32 +169,53 @@ class VehicleYaw(Driver):
         if packet.component_id != AUTOPILOT:
             return
         if packet.name == "COMMAND_ACK":
-            self._on_answer(packet.message)
+            self._on_answer(packet.message, now)
         attitude = vehicle.read(packet.message) or vehicle_control.attitude_quaternion(packet.message)
         if isinstance(attitude, VehicleAttitude) and packet.name.startswith("ATTITUDE"):
             report = GimbalAttitude(attitude.boot, attitude.yaw, attitude.yaw_rate, False, 0, 0)
             self._feedback.on_report(report, now, own=True)
 
-    def _on_answer(self, answer: object) -> None:
-        """Take in that the autopilot refuses to turn."""
+    def _on_answer(self, answer: object, now: float) -> None:
+        """Take in that the autopilot holds its yaw, or refuses to turn."""
         command, result = getattr(answer, "command", -1), getattr(answer, "result", 0)
         ours = (getattr(answer, "target_system", 0), getattr(answer, "target_component", 0)) in (self._us, (0, 0))
         turns = command in (vehicle_control.CONDITION_YAW, vehicle_control.DO_REPOSITION)
-        if turns and ours and self._plan.motion is not None and result not in diagnostics.WELCOME:
-            name = "CONDITION_YAW" if command == vehicle_control.CONDITION_YAW else "DO_REPOSITION"
-            self._fault = f"the autopilot answers {name} with {vehicle_control.result_name(result)}; home and rearm"
+        if not (turns and ours):
+            return
+        if result == common.MAV_RESULT_ACCEPTED:
+            self._accepted_at = now
+        elif self._plan.motion is not None or self._asked_at > -math.inf:
+            self._fault = diagnostics.refusal(command, result) or self._fault
 
     # ------------------------------------------------------------------------------------------ what is sent
 
     def _begin(self, move: Move, commands: YawCommands, now: float) -> None:
         """Go to a goal from where the plan is, or the vehicle if there is none."""
+        motion = None if self._stopping > -math.inf or self._settled else self._plan.motion
+        if motion is None and not self._prepared(commands, now):
+            return
         self._pending, self._yielded, self._turning = None, False, True
-        if self._plan.motion is None or self._stopping > -math.inf or self._settled:
+        if motion is None:
             self._stopping = -math.inf
-            self._send(commands.begin(now))
             self._plan.resume(self._feedback, move, now)
         else:
-            self._plan.turn(move, *self._plan.motion.at(now), now)
+            self._plan.turn(move, *motion.at(now), now)
+
+    def _prepared(self, commands: YawCommands, now: float) -> bool:
+        """Send what comes before a turn, and again until it is acknowledged where it must be; tell whether it is."""
+        if not commands.confirmed:
+            self._send(commands.begin(now))
+            return True
+        if self._asked_at == -math.inf:
+            self._asked_at = now
+        elif self._accepted_at > self._asked_at:
+            return True
+        if now - self._asked_at > ASKING_S:
+            self._fault = "the autopilot does not acknowledge CONDITION_YAW; home and rearm"
+        elif now - self._repeated_at >= ASKING_PERIOD_S - ROUNDING_S:
+            self._repeated_at = now
+            self._send(commands.begin(now))
+        return False
 
     def _send_set_point(self, commands: YawCommands, now: float) -> None:
         if commands.streams:

@@ -19,6 +19,7 @@ class YawCommands(Protocol):
 
     period: float  # between set-points while it turns [s]
     streams: bool  # whether set-points must go on for ever, also at rest
+    confirmed: bool  # whether a turn may begin only when the autopilot has acknowledged what comes before it
 
     def look(self, now: float) -> None:
         """Take in where the vehicle is; called before anything else is asked."""
@@ -43,6 +44,7 @@ class GuidedYaw:
     watch: FlightWatch
     period: float = 0.1
     streams: bool = False
+    confirmed: bool = True
 
     def look(self, now: float) -> None:
         """Need no place: whoever guides the vehicle knows it."""
@@ -52,7 +54,10 @@ class GuidedYaw:
         return ""
 
     def begin(self, now: float) -> list[Any]:
-        """Hold first: only a relative turn begins where the vehicle points, whatever steered its yaw before."""
+        """Hold first: only a relative turn begins where the vehicle points, whatever steered its yaw before.
+
+        An absolute one without it begins at the heading of an earlier turn, anywhere, and no stop would end it there.
+        """
         return [vehicle_control.hold_yaw(_whom(self.watch))]
 
     def point(self, yaw: float, rate: float, now: float) -> list[Any]:
@@ -71,6 +76,7 @@ class HoldYaw:
     watch: FlightWatch
     period: float = 0.2
     streams: bool = False
+    confirmed: bool = False
     _altitude: float = math.nan
 
     def look(self, now: float) -> None:
@@ -106,6 +112,7 @@ class OffboardYaw:
     watch: FlightWatch
     period: float = 0.05
     streams: bool = True
+    confirmed: bool = False
     _place: Place | None = None
 
     def look(self, now: float) -> None:

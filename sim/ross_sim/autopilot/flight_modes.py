@@ -32,6 +32,7 @@ OVERRIDE = 0.3 * TRAVEL  # at which a stick takes a PX4 out of its automatic mod
 PROOF_S, LOSS_S = 1.0, 1.0  # of set-points before Offboard is granted, and without them until it ends (COM_OF_LOSS_T)
 ACCEPTED, FAILED = common.MAV_RESULT_ACCEPTED, common.MAV_RESULT_FAILED
 UNSUPPORTED, DENIED = common.MAV_RESULT_UNSUPPORTED, common.MAV_RESULT_DENIED
+CHANGE_MODE = common.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE
 
 
 @dataclass(slots=True)
@@ -122,7 +123,10 @@ class Px4:
         return True
 
     def command(self, message: Any, now: float) -> int:
-        """Obey a DO_REPOSITION that changes the yaw alone; return MAV_RESULT."""
+        """Obey a DO_REPOSITION that changes the yaw alone; return MAV_RESULT.
+
+        The navigator does, and the commander, who has no mode to change, answers that it does not know it.
+        """
         if message.command != DO_REPOSITION:
             return int(UNSUPPORTED)
         if message.get_type() != "COMMAND_INT" or (message.x, message.y) != (UNCHANGED, UNCHANGED):
@@ -130,7 +134,7 @@ class Px4:
         if self.mode == HOLD and math.isfinite(message.param4):
             self._heading, self.turns = clockwise(message.param4), True
             self.altitude = message.z if math.isfinite(message.z) else self.altitude
-        return int(ACCEPTED)
+        return int(ACCEPTED if int(message.param2) & CHANGE_MODE else UNSUPPORTED)
 
     def on_set_point(self, message: Any, now: float) -> None:
         """Take a set-point of the stream."""

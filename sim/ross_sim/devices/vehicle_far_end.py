@@ -60,6 +60,7 @@ class VehicleFarEnd:
         self._chance = np.random.default_rng(0)
         self._up, self._down = (CrowdedLine(self._chance, latency=latency) for _ in range(2))
         self._now = 0.0
+        self.lost = 0  # so many of the next orders to turn or to stop do not arrive
         self.orders: list[tuple[float, str]] = []  # to turn or to stop: when they came [s], which
         self._words: list[str] = []
 
@@ -81,8 +82,9 @@ class VehicleFarEnd:
         frames, self.port.sent = self.port.sent, []
         answers: list[Any] = []
         for packet in self._decoder.feed(b"".join(self._up.pass_on(frames, now))):
-            self._inspect(packet)
-            answers += self.autopilot.on_packet(packet, now)
+            if not self._loses(packet):
+                self._inspect(packet)
+                answers += self.autopilot.on_packet(packet, now)
         if self._rival is not None and now >= self._rival_due:
             self._interfere(self._rival, now)
         if now >= self._released:
@@ -140,12 +142,16 @@ class VehicleFarEnd:
         for packet in Decoder().feed(self._station.encode(message)):
             self.autopilot.on_packet(packet, now)
 
+    def _loses(self, packet: Packet) -> bool:
+        """Tell whether an order does not arrive."""
+        loses = self.lost > 0 and _turns(packet)
+        self.lost -= loses
+        return loses
+
     def _inspect(self, packet: Packet) -> None:
         """Note orders; one to turn a vehicle that has not been armed for a while is worth a word."""
         message = packet.message
-        if packet.name not in ("COMMAND_LONG", "COMMAND_INT"):
-            return
-        if message.command not in (vehicle_control.CONDITION_YAW, vehicle_control.DO_REPOSITION):
+        if not _turns(packet):
             return
         stops = message.command == vehicle_control.CONDITION_YAW and bool(message.param4)
         self.orders.append((self._now, "stop" if stops else "turn"))
@@ -162,6 +168,12 @@ class VehicleFarEnd:
         if config.px4_mode == "offboard":
             return cls(Px4(body), offboard=True)
         return cls(Copter(body))
+
+
+def _turns(packet: Packet) -> bool:
+    """Tell whether a packet is an order to turn or to stop."""
+    turns = vehicle_control.CONDITION_YAW, vehicle_control.DO_REPOSITION
+    return packet.name in ("COMMAND_LONG", "COMMAND_INT") and packet.message.command in turns
 
 
 far_end = VehicleFarEnd
