@@ -8,18 +8,19 @@ import pytest
 
 from drive_bench import NODE, OWN, Bench
 from examples import in_soak
+from rigs import rig_of
 from ross_payload.errors import ActuatorFault
 from ross_protocols.canopen import cia402
 from ross_protocols.canopen.cia402 import State
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
 
-RPDO1, RPDO2, SDO = 0x200 + NODE, 0x300 + NODE, 0x600 + NODE
+RPDO_SPEED, RPDO_ORDER, SDO = 0x200 + NODE, 0x300 + NODE, 0x600 + NODE
 ABSENT = {cia402.HALT_OPTION, cia402.FOLLOWING_TIME, cia402.POSITION_WINDOW, cia402.POSITION_TIME, cia402.PRODUCT}
 
 
 def orders(bench, since=-math.inf):
-    return [struct.unpack("<Hib", data) for data in bench.frames(RPDO1, since)]
+    return [struct.unpack("<Hib", data) for data in bench.frames(RPDO_ORDER, since)]
 
 
 def braking(degrees_per_second):
@@ -70,7 +71,23 @@ def test_a_move_is_made_of_process_data_only():
     bench.go(60)
     bench.settle()
     kinds = {frame.id for time, frame in bench.wire.sent if time > began}
-    assert kinds == {RPDO1, RPDO2, 0x700 + OWN}
+    assert kinds == {RPDO_ORDER, RPDO_SPEED, 0x700 + OWN}
+
+
+def test_a_speed_is_that_of_its_own_set_point_where_the_lowest_identifier_is_sent_first():
+    """As by a controller with several mailboxes."""
+    rig = rig_of("canopen_drive").open()
+    rig.clock.every(QUANTUM, lambda: rig.far_end.port.sent.sort(key=lambda frame: frame.id))
+    rig.actuator.command(math.radians(20))
+    rig.settle(within=5.0)
+    for goal, rate in ((60, 10.0), (40, 40.0), (60, 20.0)):
+        rig.actuator.command(math.radians(goal), math.radians(rate))
+        fastest, last = 0.0, rig.far_end.angle()
+        while not rig.state.settled:
+            rig.clock.sleep(QUANTUM)
+            here = rig.far_end.angle()
+            fastest, last = max(fastest, abs(here - last) / QUANTUM), here
+        assert math.degrees(fastest) == pytest.approx(rate, rel=0.1)
 
 
 def test_a_drive_that_somebody_left_moving_is_stopped_first():
@@ -183,7 +200,7 @@ def test_a_set_point_is_offered_once_and_taken_back_when_it_is_acknowledged():
 def test_a_bus_that_loses_a_quarter_of_the_set_points_only_makes_moves_later(seed):
     chance = random.Random(seed)  # noqa: S311
     bench = Bench().open()
-    bench.wire.passes = lambda frame: frame.id not in (RPDO1, RPDO2, 0x180 + NODE) or chance.random() < 0.75
+    bench.wire.passes = lambda frame: frame.id not in (RPDO_ORDER, RPDO_SPEED, 0x180 + NODE) or chance.random() < 0.75
     for degrees in (50, -30, 10):
         bench.go(degrees, 0.3)
     bench.settle()

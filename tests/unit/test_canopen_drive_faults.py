@@ -17,7 +17,7 @@ from ross_protocols.canopen.frames import NmtCommand, NmtState, heartbeat, nmt
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
 
-RPDO1, RPDO2 = 0x200 + NODE, 0x300 + NODE
+RPDO_SPEED, RPDO_ORDER = 0x200 + NODE, 0x300 + NODE
 
 
 def braking(degrees_per_second):
@@ -25,7 +25,7 @@ def braking(degrees_per_second):
 
 
 def resets(bench):
-    return [data for data in bench.frames(RPDO1) if data[0] & cia402.FAULT_RESET]
+    return [data for data in bench.frames(RPDO_ORDER) if data[0] & cia402.FAULT_RESET]
 
 
 # -------------------------------------------------------------------------------------------------- without us

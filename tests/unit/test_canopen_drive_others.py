@@ -10,7 +10,7 @@ from ross_protocols.canopen.sdo import Read, Write, request
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
 
-RPDO1, RPDO2 = 0x200 + NODE, 0x300 + NODE
+RPDO_SPEED, RPDO_ORDER = 0x200 + NODE, 0x300 + NODE
 
 
 @pytest.mark.parametrize(
@@ -18,7 +18,7 @@ RPDO1, RPDO2 = 0x200 + NODE, 0x300 + NODE
     [
         (nmt(NmtCommand.STOP, NODE), "another master on the bus orders node 5: stop"),
         (nmt(NmtCommand.RESET_NODE, 0), "another master on the bus orders all nodes: reset-node"),
-        (CanFrame(RPDO2, bytes(4), extended=False), "another master on the bus commands node 5"),
+        (CanFrame(RPDO_SPEED, bytes(4), extended=False), "another master on the bus commands node 5"),
         (request(NODE, Write(0x6081, 0, bytes(4))), "another master on the bus commands node 5"),
         (heartbeat(OWN, NmtState.OPERATIONAL), "another node on the bus has our node id 127"),
         (heartbeat(NODE, NmtState.STOPPED), "the drive at node 5 is stopped and accepts no set-points"),
@@ -42,7 +42,7 @@ def test_what_does_not_belong_on_the_bus_ends_a_move_with_its_name(frame, words)
         nmt(NmtCommand.STOP, 9),
         heartbeat(9, NmtState.BOOT_UP),
         request(NODE, Read(0x6064, 0)),
-        CanFrame(RPDO1, bytes(7), extended=True),
+        CanFrame(RPDO_ORDER, bytes(7), extended=True),
         CanFrame(0x180 + 9, bytes(2), extended=False),
     ],
 )

@@ -20,7 +20,7 @@ from ross_sim.clock import QUANTUM
     ("settings", "words"),
     [
         ({120: 500.0}, r"\$120 is 500, above the acceleration of 112.5 deg/s\^2 that is allowed: set \$120=112.5"),
-        ({100: 250.0}, r"\$100 is 250 steps per degree: motor and gear need \$100=8.889"),
+        ({100: 250.0}, r"\$100 is 250 steps per degree: motor and gear need \$100=8.888889"),
         ({1: 25}, r"\$1 is 25: the motor would lose its torque at rest .* set \$1=255"),
         ({10: 2}, r"\$10 is 2: .* set \$10=1"),
         ({13: 1}, r"\$13 is 1: .* set \$13=0"),
@@ -52,7 +52,7 @@ def test_settings_are_never_written():
 
 def test_a_setting_that_was_mended_is_read_again_at_homing():
     bench = Bench({120: 500.0}).open()
-    bench.firmware.settings.assign("120=112.5")
+    bench.firmware.obey("$120=112.5")
     bench.homed().go(TURN)
     assert bench.end.angle() == pytest.approx(TURN, abs=0.002)
 
@@ -191,3 +191,9 @@ def test_a_stop_is_not_lost_however_soon_it_follows_the_command(quanta):
     assert abs(bench.end.angle()) < 0.1
     assert bench.state.settled
     assert bench.end.firmware.state is State.IDLE
+
+
+def test_more_steps_than_the_processor_of_grbl_makes_are_told_in_the_log(caplog):
+    with caplog.at_level(logging.WARNING):
+        Bench({110: 540_000.0}, max_speed_deg_s=225.0, microsteps=16).open()
+    assert "$110 asks for 80001 steps/s: grbl on an AVR loses steps above 30000" in caplog.text

@@ -8,6 +8,7 @@ from dataclasses import replace
 import pytest
 
 from grbl_bench import TURN, Bench
+from rigs import rig_of
 from ross_payload.actuators.grbl.driver import backend
 from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
 from ross_payload.interfaces import Services
@@ -240,3 +241,21 @@ def test_a_state_without_its_report_is_not_settled():
     bench.clock.sleep(0.4)
     assert not bench.state.settled
     assert replace(bench.state, time=0.0).homed
+
+
+def test_a_goal_that_was_damaged_on_its_way_is_noticed_before_the_right_one_is_passed():
+    """A serial line has no checksum: one bit, and 15 degrees are 95."""
+    rig = rig_of("grbl", lower_deg=-45, upper_deg=45).open()
+    rig.actuator.command(math.radians(-45))
+    rig.settle(within=5.0)
+    port = rig.far_end.port
+    send = port.send
+    port.send = lambda frame: send(frame.replace(b"X1", b"X9"))
+    rig.actuator.command(math.radians(15))
+    end, highest = rig.clock.now() + 4.0, -math.inf
+    while rig.clock.now() < end:
+        rig.clock.sleep(QUANTUM)
+        highest = max(highest, math.degrees(rig.far_end.angle()))
+    assert rig.state.fault == "grbl does not brake before the goal: it was told another one"
+    assert highest < 45
+    assert rig.state.rate == 0.0

@@ -105,11 +105,11 @@ class DriveClient:
 
     def send_order(self, word: int, target: int, mode: int) -> None:
         """Send controlword, target and mode."""
-        self._send(frames.RPDO[0], frames.packed(drive_setup.RPDO1_ITEMS, (word, target, mode)))
+        self._send(frames.RPDO[1], frames.packed(drive_setup.RPDO2_ITEMS, (word, target, mode)))
 
     def send_speed_limit(self, speed: int) -> None:
         """Send the speed of the next set-point [counts/s]."""
-        self._send(frames.RPDO[1], frames.packed(drive_setup.RPDO2_ITEMS, (speed,)))
+        self._send(frames.RPDO[0], frames.packed(drive_setup.RPDO1_ITEMS, (speed,)))
 
     def stop_heartbeat_watch(self) -> None:
         """Let the drive hear from us no more, and not mind."""

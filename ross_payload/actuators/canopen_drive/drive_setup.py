@@ -15,8 +15,9 @@ from ross_protocols.canopen.sdo import NO_OBJECT, NO_SUBINDEX, Abort, Read, Valu
 SDO_TIMEOUT_S, SDO_TRIES = 0.25, 3  # [s] with an answer; how often to ask
 HEARTBEAT_MS, HEARTBEAT_TIMEOUT_MS = 100, 500  # the drive's heartbeat; how long it waits for ours [ms]
 REPORT_PERIOD_MS = 20  # between two reports of the drive [ms]
-RPDO1_ITEMS = (cia402.CONTROLWORD, cia402.TARGET, cia402.MODE)  # process data to the drive
-RPDO2_ITEMS = (cia402.PROFILE_VELOCITY,)
+# process data to the drive: the speed first, also through a controller that sends the lowest identifier first
+RPDO1_ITEMS = (cia402.PROFILE_VELOCITY,)
+RPDO2_ITEMS = (cia402.CONTROLWORD, cia402.TARGET, cia402.MODE)
 TPDO1_ITEMS = (cia402.STATUSWORD, cia402.POSITION, cia402.MODE_SHOWN)  # process data from the drive
 TPDO2_ITEMS = (cia402.VELOCITY,)
 IDENTITY = {cia402.VENDOR: "vendor", cia402.PRODUCT: "product", cia402.REVISION: "revision", cia402.SERIAL: "serial"}

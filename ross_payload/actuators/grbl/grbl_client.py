@@ -125,7 +125,7 @@ class GrblClient:
             raise ActuatorFault(wrong)
         self.tracker.acceleration = math.radians(self._settings[protocol.ACCELERATION + self._options.index])
         for note in slower(self._settings, self._options):
-            log.warning("%s: moves take longer", note)
+            log.warning("%s", note)
         yield from self._fresh_report()
         self._starting, self.identified, self.position_known = False, True, True
 

@@ -11,6 +11,7 @@ from ross_payload.config import Degrees, Positive, Table
 from ross_protocols.grbl import protocol
 
 SETTING_ROUNDING = 0.0006  # of a setting, which is told with three decimals
+AVR_STEPS_PER_S = 30_000  # that grbl 1.1 makes on the processor it was written for; later ones make more
 MIN_SETTING = 1e-6  # least of what must be above 0
 
 
@@ -59,7 +60,7 @@ def complaint(settings: dict[int, float], options: Options) -> str:
             return f"grbl's ${number} is {settings[number]:g}: expected a value above 0"
     scale, cap = protocol.per_degree(options.resolution), options.max_acceleration_deg_s2
     if abs(settings[steps] - scale) > SETTING_ROUNDING:
-        return f"grbl's ${steps} is {settings[steps]:g} steps per degree: motor and gear need ${steps}={scale:.3f}"
+        return f"grbl's ${steps} is {settings[steps]:g} steps per degree: motor and gear need ${steps}={scale:.7g}"
     if settings[acceleration] > cap + SETTING_ROUNDING:
         found = f"grbl's ${acceleration} is {settings[acceleration]:g}"
         return f"{found}, above the acceleration of {cap:g} deg/s^2 that is allowed: set ${acceleration}={cap:g}"
@@ -80,13 +81,20 @@ def _complaint_of_modes(settings: dict[int, float]) -> str:
 
 
 def slower(settings: dict[int, float], options: Options) -> list[str]:
-    """Say what grbl does more slowly than the options allow; moves then take longer."""
+    """Say what grbl does more slowly than the options allow: moves then take longer; or perhaps faster than it can."""
     speed, acceleration = protocol.MAX_RATE + options.index, protocol.ACCELERATION + options.index
     notes = []
+    pulses = settings[speed] / 60 * settings[protocol.STEPS + options.index]
+    if pulses > AVR_STEPS_PER_S:
+        notes.append(
+            f"grbl's ${speed} asks for {pulses:.0f} steps/s: grbl on an AVR loses steps above {AVR_STEPS_PER_S}"
+        )
     if protocol.rate(settings[speed]) < math.radians(options.max_speed_deg_s) * 0.999:
         found = f"grbl's ${speed} is {settings[speed]:g}, {settings[speed] / 60:g} deg/s"
-        notes.append(f"{found}: slower than max_speed_deg_s = {options.max_speed_deg_s:g}")
+        notes.append(f"{found}: slower than max_speed_deg_s = {options.max_speed_deg_s:g}: moves take longer")
     if settings[acceleration] < options.max_acceleration_deg_s2 * 0.999:
         found = f"grbl's ${acceleration} is {settings[acceleration]:g} deg/s^2"
-        notes.append(f"{found}: slower than max_acceleration_deg_s2 = {options.max_acceleration_deg_s2:g}")
+        notes.append(
+            f"{found}: slower than max_acceleration_deg_s2 = {options.max_acceleration_deg_s2:g}: moves take longer"
+        )
     return notes

@@ -113,12 +113,15 @@ class PositionTracker:
         if away > self._nearest + TOLERANCE_STEPS:
             return "another controller moves grbl: away from the goal"
         self._nearest = min(self._nearest, away)
-        return self._slowed(report.speed or 0.0, away * self._resolution)
+        return self._misses(report.speed or 0.0, away * self._resolution)
 
-    def _slowed(self, speed: float, away: float) -> str:
-        """Say when it brakes ``away`` [rad] from the goal, farther than it needs to."""
+    def _misses(self, speed: float, away: float) -> str:
+        """Say when it brakes ``away`` [rad] from the goal, farther than it needs to, or not although it should."""
         self._peak = max(self._peak, speed)
-        needed = speed**2 / (2 * self.acceleration) + REPORT_DELAY_S * speed + BRAKING_MARGIN_RAD
+        braking = speed**2 / (2 * self.acceleration) + BRAKING_MARGIN_RAD
+        if braking > away + 2 * BRAKING_MARGIN_RAD:
+            return "grbl does not brake before the goal: it was told another one"
+        needed = braking + REPORT_DELAY_S * speed
         if speed < SLOWED_SHARE * self._peak and away > needed:
             return f"another controller slows grbl down, {math.degrees(away):.1f} deg before the goal"
         return ""

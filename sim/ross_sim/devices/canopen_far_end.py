@@ -7,7 +7,7 @@ from itertools import cycle
 
 import numpy as np
 
-from ross_payload.actuators.canopen_drive.drive_setup import RPDO1_ITEMS
+from ross_payload.actuators.canopen_drive.drive_setup import RPDO2_ITEMS
 from ross_payload.actuators.canopen_drive.options import Options
 from ross_protocols.can import CanFrame
 from ross_protocols.canopen import cia402
@@ -31,8 +31,8 @@ def rival(options: Options, now: float) -> Talker:
 
     def frames() -> list[CanFrame]:
         word = cia402.ENABLED | cia402.AT_ONCE | next(new)
-        data = packed(RPDO1_ITEMS, (word, target, cia402.Mode.PROFILE_POSITION))
-        return [CanFrame(RPDO[0] + options.node_id, data, extended=False)]
+        data = packed(RPDO2_ITEMS, (word, target, cia402.Mode.PROFILE_POSITION))
+        return [CanFrame(RPDO[1] + options.node_id, data, extended=False)]
 
     return Talker(frames, now, RIVALRY)
 
