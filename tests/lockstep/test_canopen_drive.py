@@ -10,6 +10,7 @@ import pytest
 
 from device_bench import device
 from reports import gains
+from short_mission import as_long
 
 DRIVER = """
 import json, sys, time
@@ -24,8 +25,11 @@ with driver(json.loads(sys.argv[1])) as one:
 
 @pytest.mark.soak
 @pytest.mark.parametrize("seed", range(5))
-def test_it_finds_the_talkers_and_separates_as_well_as_the_ideal_actuator(fly, seed):
-    drive, ideal = (fly("--actuator", kind, "--seed", seed) for kind in ("canopen_drive", "ideal"))
+def test_it_finds_the_talkers_and_separates_as_well_as_the_ideal_actuator(fly, tmp_path, seed):
+    scenario = as_long(tmp_path)
+    drive, ideal = (
+        fly("--scenario", scenario, "--actuator", kind, "--seed", seed) for kind in ("canopen_drive", "ideal")
+    )
     assert all(abs(source["azimuth_error_deg"]) < 0.5 for source in drive["sources"])
     assert all(ours > theirs - 0.3 for ours, theirs in zip(gains(drive), gains(ideal), strict=True))
 

@@ -3,6 +3,7 @@
 import pytest
 
 from reports import gain
+from short_mission import as_long
 
 SWITCH = """
 [payload.actuator]
@@ -15,8 +16,9 @@ home_deg = 10.0
 
 @pytest.mark.soak
 @pytest.mark.parametrize("seed", range(5))
-def test_the_default_mission_is_as_good_as_with_an_ideal_actuator(fly, seed):
-    ours, ideal = (fly("--actuator", kind, "--seed", seed) for kind in ("grbl", "ideal"))
+def test_the_default_mission_is_as_good_as_with_an_ideal_actuator(fly, tmp_path, seed):
+    scenario = as_long(tmp_path)
+    ours, ideal = (fly("--scenario", scenario, "--actuator", kind, "--seed", seed) for kind in ("grbl", "ideal"))
     assert all(abs(source["azimuth_error_deg"]) <= 0.5 for source in ours["sources"])
     assert gain(ours) == pytest.approx(gain(ideal), abs=0.3)
     assert "complaints" not in ours

@@ -275,7 +275,7 @@ def test_a_full_disk_is_one_line_and_the_earlier_results_stay(short, tmp_path):
 SOONER = {  # what happens in the scenario `restart`, in less time and to fewer
     "max_rotations = 6": "lead_in_s = 1.0\nunit_s = 1.0\nmin_rotations = 2\nmax_rotations = 2",
     "runs = 2": "runs = 2\ncheck_s = 1.0\nrun_s = 2.0\nseparator = 'gaussian'\ntrack = false",
-    "[[39, 59]]": "[[8, 11]]",
+    "[[39, 59]]": "[[7.5, 11]]",
     "[[talkers]]\nazimuth_deg = 155\n": "",  # who stays
     "end_s = 42": "end_s = 10",
     "start_s = 43": "start_s = 11",

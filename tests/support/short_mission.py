@@ -81,6 +81,17 @@ def changed(name: str, folder: Path, changes: dict[str, str]) -> Path:
     return path
 
 
+def as_long(folder: Path) -> Path:
+    """Write the default scenario with as long an exploration for every actuator; its path.
+
+    Whoever explores longer hears other words then, and separates them better or worse.
+    """
+    path = folder / "as-long.toml"
+    rotations = "\n[payload.explore]\nmin_rotations = 6\nmax_rotations = 6\n"
+    path.write_text((SCENARIOS / "demo.toml").read_text(encoding="utf-8") + rotations, encoding="utf-8")
+    return path
+
+
 def brief(name: str, folder: Path, *, explore: Table = NOTHING, **exploit: Any) -> Path:
     """Write a built-in scenario that checks and hears the target for less time, or as it is told; its path."""
     values = tomllib.loads((SCENARIOS / f"{name}.toml").read_text(encoding="utf-8"))

@@ -7,21 +7,18 @@ import sys
 import pytest
 
 from reports import gain
-from short_mission import SCENARIOS
+from short_mission import as_long
 
 pytestmark = [pytest.mark.soak, pytest.mark.timeout(1200)]
 
 
-ALIKE = "\n[payload.explore]\nmin_rotations = 6\nmax_rotations = 6\n"  # whoever explores longer hears other words
-
-
 def flown(folder, actuator, seed):
-    """The report of the default scenario, with as long an exploration for every actuator."""
-    out, scenario = folder / f"{actuator}-{seed}", folder / "scenario.toml"
-    scenario.write_text((SCENARIOS / "demo.toml").read_text() + ALIKE)
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--scenario", str(scenario)]
-    command += ["--actuator", actuator, "--seed", str(seed)]
-    subprocess.run([*command, "--out", str(out)], check=True, capture_output=True)
+    """The report of the default scenario."""
+    out = folder / f"{actuator}-{seed}"
+    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--scenario", str(as_long(folder))]
+    subprocess.run(
+        [*command, "--actuator", actuator, "--seed", str(seed), "--out", str(out)], check=True, capture_output=True
+    )
     return json.loads((out / "report.json").read_text())
 
 
