@@ -173,13 +173,22 @@ def wiener(spectrogram: Complex, psds: Real, covariances: Real, noise: Real | No
     return found
 
 
+def long_frame(rate: float) -> int:
+    """Return the size of a long frame [samples] at a rate [Hz]: it has four hops.
+
+    >>> long_frame(16000), long_frame(44100)
+    (2048, 5644)
+    """
+    return 4 * round(LONG * rate / 4)
+
+
 def in_long_frames(separate: Callable[[Complex, Scene], Groups], spectrogram: Complex, scene: Scene) -> Groups:
     """Separate a recording in frames of 128 ms, in which more of the reverberation fits; masks are lost.
 
     Needs ``scene.hop``. What the separator gives is cut into the frames of the recording again.
     """
     frame, hop, rate = 2 * (scene.frequencies.size - 1), int(scene.hop or 0), round(2 * scene.frequencies[-1])
-    size = 4 * round(LONG * rate / 4)
+    size = long_frame(rate)
     given, longer = Stft(rate, frame, hop), Stft(rate, size, size // 4)
     n = spectrogram.shape[2] * hop - (frame - hop)
     noise = scene.noise_psd
@@ -201,7 +210,7 @@ def reverberant(spectrogram: Complex, scene: Scene) -> bool:
         return False
     if scene.hop is None or scene.tau is None or spectrogram.shape[2] * scene.hop <= frame - scene.hop:
         return False
-    if frame >= LONG * 2 * scene.frequencies[-1]:
+    if frame >= long_frame(2 * scene.frequencies[-1]):
         return False
     use = band(scene.frequencies, *VOICE)
     heard = spectrogram[:, use]

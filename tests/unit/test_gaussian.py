@@ -12,6 +12,8 @@ from ross_payload.separation.cacgmm import learn
 from ross_payload.separation.directness import astray, directness_of
 from ross_payload.separation.local_gaussian_model import (
     in_long_frames,
+    long_frame,
+    reverberant,
     separator,
     source_psds,
     wiener,
@@ -193,6 +195,18 @@ def test_frames_cut_anew_give_back_what_a_separator_leaves_alone(n: int) -> None
     groups = in_long_frames(keep, stft.analyse(samples), scene)
     np.testing.assert_allclose(stft.synthesise(groups.signals, n), samples[:1], atol=1e-9)
     assert seen == [(1025, 1025, 6.0)]  # 128 ms; white noise has twice the PSD in frames of twice the length
+
+
+@pytest.mark.parametrize("rate", [8000, 11025, 16000, 22050, 32000, 44100, 48000, 96000])
+def test_no_long_frame_is_cut_into_long_frames_once_more(rate: int) -> None:
+    """Of 128 ms at 44.1 kHz there are no four hops."""
+    rng = np.random.default_rng(6)
+    for frame, again in ((long_frame(rate) // 2, True), (long_frame(rate), False)):
+        stft = Stft(rate, frame, frame // 4)
+        diffuse_sound = stft.analyse(rng.standard_normal((2, rate)))
+        quiet = np.full(stft.frequencies.size, 1e-6)
+        scene = Scene(stft.frequencies, 0.05, 343.0, 1, TAU[:1], quiet, hop=stft.hop)
+        assert reverberant(diffuse_sound, scene) is again
 
 
 def test_averages_keep_constants_and_the_total_inside() -> None:
