@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from ross_payload.dsp.dc_offset import without_offset
 from ross_payload.dsp.ego_noise import EgoNoise, learnt
 from ross_payload.dsp.itd import band_limits, raised_psd
 from ross_payload.dsp.noise import quiet_frames, quiet_psd
@@ -314,7 +315,8 @@ def listen(context: Context, seconds: float) -> Step[tuple[Samples, Real | None]
         blocks.append(now.block.samples)
         speeds.append(now.attitude.rotor_speeds)
         heard += now.block.samples.shape[1]
-    return np.concatenate(blocks, axis=1) if blocks else np.zeros((2, 0), np.float32), speeds_by_hop(speeds)
+    samples = np.concatenate(blocks, axis=1) if blocks else np.zeros((2, 0), np.float32)
+    return without_offset(samples), speeds_by_hop(speeds)
 
 
 def speeds_by_hop(told: Sequence[tuple[float, ...]]) -> Real | None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ross_payload.angles import circular_mean, difference, wrap
+from ross_payload.dsp.dc_offset import without_offset
 from ross_payload.events import AlignmentCandidate, State, TurnStarted
 from ross_payload.interfaces import Input, Samples
 from ross_payload.mission.context import Context, Listening, Step, hop, speeds_by_hop
@@ -129,7 +130,7 @@ class _Period:
 
     def listening(self) -> Listening:
         """All of it, at the mean heading; at the heading itself when nothing has turned."""
-        samples = np.concatenate(self.blocks, axis=1)
+        samples = without_offset(np.concatenate(self.blocks, axis=1))
         if np.abs(difference(self.headings, self.last)).max() <= STILL:
             return Listening(
                 self.last, samples, aboard=circular_mean(self.aboard), rotor_speeds=speeds_by_hop(self.speeds)

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ross_payload.angles import circular_mean, difference, wrap
+from ross_payload.dsp.dc_offset import without_offset
 from ross_payload.interfaces import Input, Samples
 from ross_payload.localization.turning import BEFORE_S, Turned
 from ross_payload.mission.context import Listening, speeds_by_hop
@@ -53,7 +54,7 @@ class HeardTurning:
         first = self._first
         while first and start - self._end(first - 1) <= BEFORE_S * self.rate:
             first -= 1
-        samples = np.concatenate(self._blocks[first:], axis=1)
+        samples = without_offset(np.concatenate(self._blocks[first:], axis=1))
         headings, aboard = np.array(self._headings[first:]), np.array(self._aboard[first:])
         return Turned(samples, headings, start - self._end(first), aboard, speeds_by_hop(self._speeds[first:]))
 
@@ -61,7 +62,7 @@ class HeardTurning:
         """Cut all of it where the array has turned by an angle [rad], but not into pieces that are too short."""
         if not self._blocks:
             return []
-        samples, headings = np.concatenate(self._blocks, axis=1), np.unwrap(self._headings)
+        samples, headings = without_offset(np.concatenate(self._blocks, axis=1)), np.unwrap(self._headings)
         cuts, shortest = [0], SHORTEST_S * self.rate
         for hop, heading in enumerate(headings):
             long = self._end(hop) - self._end(cuts[-1]) >= shortest <= self._ends[-1] - self._end(hop)

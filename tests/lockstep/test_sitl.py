@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ import soundfile
 from command_line import called_once
 from examples import in_soak
 from mission_fixtures import without_picture
+from ross_payload.service.runner import Runner
 from short_mission import CHEAP, PAIR, SOON, brief, changed
 
 pytestmark = pytest.mark.lockstep
@@ -170,6 +171,31 @@ def test_a_silent_room_holds_nobody(silent):
     assert code == 3
     assert report["k"] == 0
     assert report["reason"] == "nobody is talking"
+
+
+def test_a_silent_room_holds_nobody_for_microphones_with_an_offset_either(mission, monkeypatch, tmp_path):
+    """Periods that began and ended with a step had up to four talkers in them."""
+    begin = Runner.__init__
+
+    class Offset:
+        def __init__(self, source):
+            self._source = source
+
+        def __getattr__(self, name):
+            return getattr(self._source, name)
+
+        def read(self, n):
+            block = self._source.read(n)
+            return replace(block, samples=block.samples + np.array([[0.01], [0.008]], np.float32))
+
+    monkeypatch.setattr(
+        Runner,
+        "__init__",
+        lambda self, mission, source, *rest, **more: begin(self, mission, Offset(source), *rest, **more),
+    )
+    asked = changed("silence", tmp_path, {"snr_db = 20": "snr_db = 45"})
+    code, _, report = mission("--scenario", asked, "--seed", 2)
+    assert (code, report["k"], report["reason"]) == (3, 0, "nobody is talking")
 
 
 @pytest.mark.soak  # of the room alone: test_noise_sources
