@@ -175,6 +175,34 @@ def test_a_stop_after_the_payload_was_held_up_halts_as_any_other(rig: Rig, pause
     assert rig.far_end.complaints() == []
 
 
+@pytest.mark.parametrize("pause", [0.4, *in_soak(0.15, 0.3), 1.0, *in_soak(3.0)])
+def test_a_stop_stays_one_when_the_payload_is_held_up_while_it_brakes(rig: Rig, pause: float) -> None:
+    """What has come to rest without set-points does not turn on to where braking would have ended."""
+    begin_a_move_and_pause(rig, 0.0)
+    rig.actuator.stop()
+    rig.clock.sleep(0.05)
+    rig.pause(pause)
+    rig.clock.sleep(max(1.5 - pause, 0.05))
+    here = rig.far_end.angle()
+    rig.clock.sleep(3.0)
+    assert rig.far_end.angle() == pytest.approx(here, abs=SWING)
+    assert rig.state.rate == 0.0
+
+
+@pytest.mark.parametrize("pause", [0.0, 0.5, *in_soak(0.3, 1.0, 3.0)])
+def test_closing_after_the_payload_was_held_up_brakes_from_where_it_stands(rig: Rig, pause: float) -> None:
+    begin_a_move_and_pause(rig, pause)
+    before = rig.far_end.angle()
+    rig.held_up = True
+    rig.clock.sleep(QUANTUM)
+    here = rig.far_end.angle()
+    speed = abs(here - before) / QUANTUM
+    rig.actuator.__exit__(None, None, None)
+    rig.clock.sleep(3.0)
+    room = speed**2 / (2 * ACCELERATION) + (0.2 + rig.late) * (speed + ACCELERATION * 0.1) + math.radians(5)
+    assert abs(rig.far_end.angle() - here) <= room
+
+
 def begin_a_move_and_pause(rig: Rig, pause: float) -> None:
     rig.actuator.command(rig.upper - 0.2)
     rig.clock.sleep(0.8)

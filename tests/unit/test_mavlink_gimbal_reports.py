@@ -5,10 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from rigs import rig_of
 from ross_payload.actuators.mavlink_gimbal.diagnostics import contradiction, silence
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
 from ross_payload.actuators.mavlink_gimbal.sender_clock import SenderClock, Verdict
 from ross_protocols.mavlink.gimbal_messages import GimbalAttitude
+from ross_sim.devices.far_end import Fault
 
 PERIOD = 0.02  # between two reports [s]
 
@@ -156,3 +158,21 @@ def test_a_gimbal_that_turns_farther_than_is_asked_for_is_believed_there():
         on_report(feedback, 10.0 + index * 0.1, math.remainder(min(index * 0.1, 3.9), math.tau), index * 0.1)
     assert feedback.angle == pytest.approx(3.9)
     assert not feedback.unseen
+
+
+@pytest.mark.parametrize(
+    ("kind", "pause"), [("mavlink_gimbal", 0.25), ("mavlink_gimbal", 1.0), ("mavlink_gimbal:manager", 0.4)]
+)
+def test_a_gimbal_that_restarts_in_a_move_while_the_payload_is_held_up_is_a_fault(kind, pause):
+    rig = rig_of(kind).open()
+    rig.actuator.command(2.0)
+    rig.clock.sleep(0.8)
+    rig.held_up = True
+    rig.far_end.afflict(Fault.REBOOT)
+    rig.clock.sleep(pause)
+    rig.held_up = False
+    rig.clock.sleep(0.5)
+    assert "the gimbal has restarted in the middle of a move" in rig.state.fault
+    here = rig.far_end.angle()
+    rig.clock.sleep(3.0)
+    assert rig.far_end.angle() == pytest.approx(here, abs=math.radians(1))

@@ -8,6 +8,7 @@ import pytest
 from examples import in_soak
 from gimbal_rig import Bench
 from ross_payload.errors import ActuatorFault
+from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
 from ross_sim.devices.gimbal_far_end import GimbalFarEnd
 
@@ -250,6 +251,24 @@ def test_a_stop_while_idle_brakes_what_a_pilot_turns_and_takes_no_control(releas
     released.point(20.0)  # the pilot may, after that
     released.clock.sleep(3.0)
     assert released.true_deg == pytest.approx(20.0, abs=1.0)
+
+
+def test_a_stop_brakes_nothing_that_a_pilot_has_begun_while_the_payload_was_held_up(released):
+    """The end of the old braking may be the short way round by now, and beyond the travel."""
+    held_up = [False]
+    released.cancel()
+    released.clock.every(QUANTUM, lambda: held_up[0] or released.actuator.poll(released.clock.now()))
+    released.point(-150)
+    released.clock.sleep(0.9)
+    released.actuator.stop()
+    released.clock.sleep(0.05)
+    held_up[0] = True
+    released.clock.sleep(0.5)
+    released.point(60)
+    released.clock.sleep(3.0)
+    held_up[0] = False
+    released.clock.sleep(3.0)
+    assert released.true_deg == pytest.approx(60, abs=1)
 
 
 def test_a_halt_while_idle_leaves_a_pilots_turn_alone(released):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from examples import in_soak, rows_in_soak
+from rigs import rig_of
 from ross_payload.errors import ActuatorFault, ConfigError
 from ross_protocols.mavlink import vehicle_control
 from ross_protocols.mavlink.codec import Decoder, Encoder
@@ -454,6 +455,30 @@ def test_a_px4_in_hold_turns_and_answers_that_it_does_not_support_it():
     assert bench.yaw_deg == pytest.approx(40.0, abs=1.0)
     bench.turn(-20.0)
     assert bench.state.healthy
+
+
+@pytest.mark.parametrize("kind", ["vehicle_yaw", "vehicle_yaw:offboard"])
+@pytest.mark.parametrize("fault", [Fault.PILOT, Fault.MODE, Fault.DISARMED])
+def test_a_pilot_who_intervenes_while_the_payload_is_held_up_ends_the_turn(kind, fault):
+    """Also when all is as before again when it goes on."""
+    rig = rig_of(kind).open()
+    rig.actuator.command(2.0)
+    rig.clock.sleep(0.8)
+    rig.held_up = True
+    rig.far_end.afflict(fault)
+    rig.clock.sleep(0.3)
+    if fault is Fault.PILOT:
+        rig.far_end.push(0.0)
+    else:
+        rig.far_end.afflict(fault, on=False)
+    rig.clock.sleep(0.2)
+    rig.held_up = False
+    rig.clock.sleep(2 * QUANTUM)
+    assert not rig.state.healthy
+    rig.clock.sleep(0.7)
+    here = rig.far_end.angle()
+    rig.clock.sleep(3.0)
+    assert rig.far_end.angle() == pytest.approx(here, abs=math.radians(3))
 
 
 # ------------------------------------------------------------------------------------------- what is on the wire

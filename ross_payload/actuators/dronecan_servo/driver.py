@@ -36,6 +36,7 @@ class DronecanServo(Driver):
         self._lag = options.lag_ms * 1e-3  # of the servo behind its set-points [s]
         self._client: ServoClient
         self._motion: Motion | None = None  # None: nothing is sent
+        self._turning = False  # the motion leads to a goal; else it brakes, or stays
         self._reports: deque[PositionReport] = deque()  # of the last settle_ms
         self._angle = 0.0  # last published [rad]
         self._homed = False  # of a model
@@ -81,8 +82,7 @@ class DronecanServo(Driver):
         elif request is Request.RELEASE:
             self._let_go()
         elif request is Request.HALT:
-            if self._motion is not None:
-                self._motion = self._motion.braked(now, self.capabilities.max_acceleration)
+            self._brake(now)
         else:
             self._home(now)
 
@@ -144,16 +144,26 @@ class DronecanServo(Driver):
         self._motion = Motion(
             Trapezoid(position, move.goal, move.rate, self.capabilities.max_acceleration, velocity), now
         )
+        self._turning = True
         if not velocity:
             self._due = min(self._due, now)  # at once
 
     def _go_on(self, now: float) -> None:
-        """Go on after a gap in the set-points: the servo has come to rest at the last one."""
-        motion = self._motion
-        if motion is not None and now - self._due > SET_POINT_GAP_S and motion.end > self._due:
-            plan = motion.plan
-            there = motion.at(self._due + self._lag)[0]
+        """Begin anew after a gap in the set-points, in which the servo has come to rest at the last one.
+
+        A turn goes on to its goal; what was to brake stays. A short delay delays the plan.
+        """
+        motion, late = self._motion, now - self._due
+        if motion is None or late <= SET_POINT_PERIOD_S / 2 + TIME_TOLERANCE_S or motion.end <= self._due:
+            return
+        if late <= SET_POINT_GAP_S:
+            self._motion = Motion(motion.plan, motion.begin + late)
+            return
+        there, plan = motion.at(self._due + self._lag)[0], motion.plan
+        if self._turning:
             self._motion = Motion(Trapezoid(there, plan.goal, plan.speed, plan.acceleration), now)
+        else:
+            self._hold(there, now)
 
     def _home(self, now: float) -> None:
         self._fault, self._homed = "", False
@@ -165,13 +175,17 @@ class DronecanServo(Driver):
             if math.isnan(self._reports[-1].joint):
                 self._let_go()
             elif self._motion.at(now)[1]:
-                self._motion = self._motion.braked(now, self.capabilities.max_acceleration)
+                self._brake(now)
             else:
                 self._hold(self._reports[-1].joint, now)
 
     def _hold(self, joint: float, now: float) -> None:
         here = min(max(joint, self.capabilities.lower), self.capabilities.upper)
-        self._motion = Motion(Trapezoid.still(here), now)
+        self._motion, self._turning = Motion(Trapezoid.still(here), now), False
+
+    def _brake(self, now: float) -> None:
+        if self._motion is not None:
+            self._motion, self._turning = self._motion.braked(now, self.capabilities.max_acceleration), False
 
     # ------------------------------------------------------------------------------------------ out
 

@@ -72,7 +72,9 @@ class MavlinkGimbal(Driver):
         """Take in what has arrived."""
         for received in self._port.receive():
             self._on_packet(received, now)
-        if not self._blind and now - self._feedback.time <= diagnostics.STALE_REPORT_S:
+        self._plan.forget_late_brake(now)
+        doubtful = self._blind or self._feedback.restarted or diagnostics.contradiction(self._feedback)
+        if not doubtful and now - self._feedback.time <= diagnostics.STALE_REPORT_S:
             self._plan.go_on(self._feedback, now)
 
     def obey(self, request: Move | Request, now: float) -> None:
@@ -141,9 +143,12 @@ class MavlinkGimbal(Driver):
         )
 
     def leave(self, clock: Clock) -> tuple[()]:
-        """Send the end of the deceleration as the last set-point, and give control back."""
-        if self._plan.motion is not None and self._peer is not None and self._peer.ready:
-            self._plan.halt(clock.now())
+        """Send the end of the deceleration as the last set-point, where it is known, and give control back."""
+        now = clock.now()
+        self.read(now)
+        known = not self._blind and now - self._feedback.time <= diagnostics.STALE_REPORT_S
+        if self._plan.motion is not None and self._peer is not None and self._peer.ready and known:
+            self._plan.halt(now)
             self._port.send(self._peer.point(self._plan.motion.plan.goal))
         for message in self._peer.leave() if self._peer is not None else ():
             self._port.send(message)

@@ -35,6 +35,7 @@ class SetPoints:
         self.ahead = ahead
         self._still = still
         self.motion: Motion | None = None  # None: not in control
+        self._turning = False  # the motion leads to a goal; else it brakes, or stays
         self.braking: Motion | None = None
         self.sent = -math.inf  # when the last set-point went out [s]
         self.restless = math.inf  # when the gimbal was last seen away from its goal [s]
@@ -42,6 +43,7 @@ class SetPoints:
     def turn(self, move: Move, position: float, velocity: float, now: float) -> None:
         """Go to a goal from ``position`` [rad] with ``velocity`` [rad/s]."""
         self._go(Trapezoid(position, move.goal, move.rate, self._able.max_acceleration, velocity), now)
+        self._turning = True
 
     def halt(self, now: float) -> None:
         """Decelerate from the last set-point."""
@@ -69,15 +71,34 @@ class SetPoints:
             self.hold(position, now)
 
     def go_on(self, seen: GimbalFeedback, now: float) -> None:
-        """Go on to the goal from where it is seen, if this program was held up in the middle of a move."""
+        """Begin anew from where it is seen, if this program was held up in the middle of a motion.
+
+        A turn goes on to its goal; what was to brake stays where it has come to rest. A short delay delays the plan.
+        """
         motion = self.motion
-        if motion is None:
+        late = self._late(motion, now)
+        if motion is None or not late:
             return
-        last = max(self.sent, motion.begin)
-        if now - last > self.ahead + PAUSE_S and motion.end > last:
-            position, rate = self._there(seen, now)
+        if late <= PAUSE_S:
+            self.motion = Motion(motion.plan, motion.begin + late)
+        elif self._turning:
             plan = motion.plan
-            self._go(Trapezoid(position, plan.goal, plan.speed, plan.acceleration, rate), now)
+            self.turn(Move(plan.goal, plan.speed), *self._there(seen, now), now)
+        else:
+            self.resume(seen, None, now)
+
+    def forget_late_brake(self, now: float) -> None:
+        """Brake no more what somebody else turned, if this program was held up: they may have turned it since."""
+        if self._late(self.braking, now) > PAUSE_S:
+            self.braking = None
+
+    def _late(self, motion: Motion | None, now: float) -> float:
+        """How late the next set-point of a motion is [s]; 0 when it is not, or the last one was the end."""
+        if motion is None:
+            return 0.0
+        last = max(self.sent, motion.begin)
+        late = now - last - self.ahead
+        return late if late > self.ahead / 2 + ROUNDING_S and motion.end > last else 0.0
 
     def brake(self, seen: GimbalFeedback, now: float) -> None:
         """Brake what somebody else turns."""
@@ -117,6 +138,6 @@ class SetPoints:
         return min(max(angle, self._able.lower), self._able.upper)
 
     def _go(self, plan: Trapezoid, now: float) -> None:
-        self.motion, self.restless = Motion(plan, now), now
+        self.motion, self.restless, self._turning = Motion(plan, now), now, False
         if not plan.velocity:  # a gimbal that follows set-points would see a jump in their rhythm as one of speed
             self.sent = -math.inf

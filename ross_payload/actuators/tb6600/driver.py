@@ -102,6 +102,7 @@ class Tb6600(Driver):
 
     def leave(self, clock: Clock) -> tuple[()]:
         """Plan the deceleration; the torque stays, so that nothing falls."""
+        self.read(clock.now())
         self._search.end()
         self._halt(clock.now())
         return ()

@@ -61,6 +61,7 @@ class VehicleYaw(Driver):
         self._yielded = False  # since the last goal the vehicle was left to others
         self._turning = False  # a goal was given, and is not reached yet
         self._ended = ""  # why a turn has ended this moment
+        self._objection_heard = ""  # the first since the last poll: what is over by now ends a turn, too
         self._stands = False  # and stands since then
         self._near = -math.inf  # when it was about where it should be last [s]
         self._us: ComponentId | None = None
@@ -90,7 +91,8 @@ class VehicleYaw(Driver):
             self._on_packet(received, now)
         if self._plan.motion is None and not self._inside(self._feedback.angle):
             self._feedback.count_anew()  # others have turned it round
-        if not (self._yielded or self._stopping > -math.inf) and now - self._feedback.time <= FRESH_S:
+        ours = not (self._yielded or self._objection_heard or self._stopping > -math.inf)
+        if ours and not diagnostics.contradiction(self._feedback) and now - self._feedback.time <= FRESH_S:
             self._plan.go_on(self._feedback, now)
 
     def obey(self, request: Move | Request, now: float) -> None:
@@ -118,7 +120,8 @@ class VehicleYaw(Driver):
         if commands is None:
             return
         commands.look(now)
-        why, self._ended = (self._fault or self._objection(now)) if self._matters else "", ""
+        why = (self._fault or self._objection_heard or self._objection(now)) if self._matters else ""
+        self._ended = self._objection_heard = ""
         if why:
             self._ended = why if self._turning or self._pending is not None else ""
             self._yield(commands, now)
@@ -146,11 +149,14 @@ class VehicleYaw(Driver):
         )
 
     def leave(self, clock: Clock) -> tuple[()]:
-        """Leave the yaw to the autopilot: a turn that is under way ends."""
-        if self._plan.motion is not None and not self._settled:
-            self._stop(clock.now())
-            if self._commands is not None:
-                self._go_on_stopping(self._commands, clock.now())
+        """Leave the yaw to the autopilot: a turn that is under way ends, unless nobody knows where to end it."""
+        now, commands = clock.now(), self._commands
+        self.read(now)
+        known = now - self._feedback.time <= FRESH_S or (commands is not None and commands.confirmed)
+        if self._plan.motion is not None and not self._settled and known:
+            self._stop(now)
+            if commands is not None:
+                self._go_on_stopping(commands, now)
         return ()
 
     def close(self) -> None:
@@ -163,6 +169,8 @@ class VehicleYaw(Driver):
     def _on_packet(self, received: ReceivedPacket, now: float) -> None:
         packet, self._us = received.packet, received.us
         self._watch.on_packet(packet, now)
+        if self._turning:
+            self._objection_heard = self._objection_heard or self._watch.objection()
         if self._commands is None and packet.name == "HEARTBEAT":
             self._commands = commands_of(self._watch)
             self._plan.ahead = self._commands.period if self._commands is not None else self._plan.ahead
