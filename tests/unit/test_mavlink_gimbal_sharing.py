@@ -213,9 +213,12 @@ def test_an_autopilot_that_reboots_in_a_task_has_forgotten_us_and_is_not_asked_a
 
 @pytest.mark.parametrize("up", [2.0, *in_soak(10.0)])
 def test_an_autopilot_that_reboots_while_idle_is_no_fault_and_obeys_the_next_order(released, up):
+    """Until it looks for its gimbal again, 10 s after it was switched on, the gimbal misses it."""
     released.clock.sleep(up)
     released.far_end.autopilot.restart(released.clock.now())
-    released.clock.sleep(3.0)
+    released.clock.sleep(8.0)
+    assert released.state.fault == "the gimbal reports a failure: no data from its manager"
+    released.clock.sleep(4.0)
     assert released.state.healthy, released.state
     assert released.primary == FREE
     released.actuator.command(-0.2)

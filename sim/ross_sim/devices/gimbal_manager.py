@@ -16,16 +16,19 @@ from ross_protocols.mavlink.field_converters import clockwise
 from ross_protocols.mavlink.vehicle import VehicleAttitude
 from ross_sim.devices.gimbal_device import EARLY, STAMP_LAGS, Servo
 
-HEARTBEAT, ATTITUDE, SET_ATTITUDE = 0, 30, 284  # message ids
+HEARTBEAT, ATTITUDE, SET_ATTITUDE, VEHICLE_STATE = 0, 30, 284, 286  # message ids
 PITCH_YAW = 1000  # command, in degrees
 HANDLED = (PITCH_YAW, gimbal_messages.CONFIGURE)  # commands of gimbal managers alone
 SHORTEST = 0.01  # of the periods that it can be asked for [s]
 FAILED = common.MAV_RESULT_FAILED
-PERIODS = {HEARTBEAT: 1.0, ATTITUDE: 0.04, SET_ATTITUDE: 0.02}  # [s]
+PERIODS = {HEARTBEAT: 1.0, ATTITUDE: 0.04, SET_ATTITUDE: 0.02, VEHICLE_STATE: 0.02}  # [s]
 ADJUSTABLE = (gimbal_messages.DEVICE_ATTITUDE, ATTITUDE)
 STATUS_PERIOD = 30.0  # [s] between two manager statuses that nobody asked for and nothing caused
 DEVICE_ID = 1  # of its first gimbal, whatever its component id is
 BOOTING = 1.0  # [s] of a restart
+SEARCHING = 10.0  # [s] after it was switched on does it look for a device
+TO_NEUTRAL = common.GIMBAL_DEVICE_FLAGS_RETRACT | common.GIMBAL_DEVICE_FLAGS_NEUTRAL
+RELAYED = 4 | 8 | gimbal_messages.VEHICLE_FRAME  # the flags of the attitude that it passes on, whatever its frame
 SILENT = 1.0  # [s] after which a device is not healthy and its attitude not passed on
 
 
@@ -50,11 +53,29 @@ class ArduPilot:
     """Component 1: streams set-points to the device and obeys anybody; who is in control is recorded only.
 
     As ArduCopter 4.8-dev does: it says who is in control when that changes and when it is asked, not in a stream; it
-    does not tell who the device is (512/283 fails); a restart forgets who was in control and what was asked for.
+    does not tell who the device is (512/283 fails); a restart forgets who was in control and what was asked for. It
+    passes on the attitude of the device, and not what ails it.
+
+    Parameters
+    ----------
+    address, device
+        Whose it is, and of the device.
+    servo
+        Of the device.
+    yaw
+        Of the vehicle [rad] at a time [s], counter-clockwise from north.
+    up
+        For how long it was on at time 0 [s].
     """
 
     def __init__(
-        self, address: ComponentId, device: ComponentId, servo: Servo, yaw: Callable[[float], float], *, up: float = 0.0
+        self,
+        address: ComponentId,
+        device: ComponentId,
+        servo: Servo,
+        yaw: Callable[[float], float],
+        *,
+        up: float = SEARCHING,
     ) -> None:
         self.address = address
         self.primary: ComponentId = NOBODY
@@ -106,7 +127,8 @@ class ArduPilot:
         if self.primary != self._said_primary or now >= self._status_due - EARLY:
             self._said_primary, self._status_due = self.primary, now + STATUS_PERIOD
             said += self._message(gimbal_messages.MANAGER_STATUS, now)
-        if self._information is None and now - self._asked >= 1.0:
+        searches = now - self._boot >= SEARCHING - EARLY
+        if self._information is None and searches and now - self._asked >= 1.0:
             self._asked = now
             said.append(gimbal_messages.request(self._device, gimbal_messages.DEVICE_INFORMATION))
         for number, period in self._periods.items():
@@ -134,6 +156,9 @@ class ArduPilot:
         """Take pitch and yaw [rad, clockwise], or their rates [rad/s]; neither when both are told, as measured."""
         if message.gimbal_device_id not in (0, DEVICE_ID):
             return False
+        if message.flags & TO_NEUTRAL:
+            self._running, self._lock, self._aim = 0.0, False, 0.0
+            return True
         angled, rated = all(map(math.isfinite, angles)), all(map(math.isfinite, rates))
         if angled and not rated:
             self._running, self._lock = 0.0, bool(message.flags & gimbal_messages.YAW_LOCK)
@@ -209,10 +234,26 @@ class ArduPilot:
             said = gimbal_messages.point_device(self._device, self._aim)
             said.flags = 4 | 8 | gimbal_messages.YAW_LOCK if self._lock else 0
             return [said]
+        if number == VEHICLE_STATE and self._information is not None:
+            yaw, rate = self._yaw(now), (self._yaw(now) - self._yaw(now - 0.01)) / 0.01
+            state = common.MAVLink_autopilot_state_for_gimbal_device_message(
+                *self._device,
+                boot * 1000,
+                vehicle.quaternion(clockwise(yaw), 0.0, 0.0),
+                0,
+                0.0,
+                0.0,
+                0.0,
+                0,
+                clockwise(rate),
+                0,
+                1,
+            )
+            return [state]
         if number == gimbal_messages.DEVICE_ATTITUDE and self._attitude and now - self._attitude[0] <= SILENT:
             seen, lag = self._attitude[1], round(next(self._lags) * 1e3)
             said = common.MAVLink_gimbal_device_attitude_status_message(
-                0, 0, max(boot - lag, 0), seen.flags, seen.q, *(math.nan,) * 3, seen.failure_flags, 0, 0, DEVICE_ID
+                0, 0, max(boot - lag, 0), RELAYED, seen.q, *(math.nan,) * 3, 0, 0, 0, DEVICE_ID
             )
             return [said]
         return []
