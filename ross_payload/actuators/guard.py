@@ -107,7 +107,7 @@ class Guard:
 
         What others turn is brought to rest, too; they may turn it again.
         """
-        self._stopped = True
+        self._stopped = self._monitor.stopped = True
         self._halt()
         if self._shared is not None:
             self._shared.brake()
@@ -141,7 +141,7 @@ class Guard:
             When the actuator itself is still not well; `home` clears a lost position.
         """
         self._fault = self._later = ""
-        self._stopped = self._failed = False
+        self._stopped = self._failed = self._monitor.stopped = False
         state = self.state()
         if not state.healthy:
             self._fault = state.fault

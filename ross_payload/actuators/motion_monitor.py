@@ -11,6 +11,7 @@ from ross_payload.interfaces import ActuatorState, Capabilities
 
 PARKING, HOMING = "parking", "homing"
 TOLD_AGAIN_S = 1.0  # [s] after which a device that does not come to rest is told to once more
+UNASKED_S = 0.3  # [s] it may turn after a stop without a fault: a report may be wrong, somebody may bump into it
 RUNAWAY_RAD = math.radians(2)  # farther beyond a limit than it was when the goal was given is a runaway [rad]
 
 
@@ -28,6 +29,9 @@ class MotionMonitor:
         self._room = 0.0  # so far beyond a limit may it be on the way to the goal [rad]
         self.shared = False  # others may turn it: what they do is not ours to watch
         self._well = True  # a report without a fault has come since homing began
+        self.stopped = False  # a stop is latched
+        self._rested = False  # it has been at rest since the last request
+        self._turning_since = math.inf  # in spite of a stop, after it was at rest [s]
 
     def forget(self) -> None:
         """Expect nothing."""
@@ -56,6 +60,7 @@ class MotionMonitor:
 
     def expect_goal(self, goal: float, here: float, able: Capabilities) -> None:
         """Expect it at ``goal``, and not much farther beyond a limit than ``here``, all [rad]."""
+        self._rested = False
         self.goal, self._room = goal, beyond(here, able) + RUNAWAY_RAD
         self.shared = False
         self.doing, self._rest_by = "", math.inf
@@ -63,13 +68,13 @@ class MotionMonitor:
     def expect_homing(self) -> None:
         """Expect it homed; a fault that was there before may last a while."""
         self.forget()
-        self.shared, self.doing, self._well = False, HOMING, False
+        self.shared, self.doing, self._well, self._rested = False, HOMING, False, False
 
     def expect_rest(self, now: float, able: Capabilities) -> None:
         """Expect rest within twice the time that braking takes and a second."""
         rest_by = min(self._rest_by, now + 2 * able.max_speed / able.max_acceleration + 1.0)
         self.forget()
-        self._rest_by = rest_by
+        self._rest_by, self._rested = rest_by, False
 
     def turns_on(self, now: float) -> bool:
         """Whether it was not at rest in time; asked once in `TOLD_AGAIN_S`."""
@@ -89,7 +94,9 @@ class MotionMonitor:
             return
         self._well = self._well or state.healthy
         if abs(state.rate) <= STILL_RAD_S:
-            self._rest_by = math.inf
+            self._rest_by, self._rested, self._turning_since = math.inf, True, math.inf
+        elif self.stopped and self._rested and not self.shared:
+            self._turning_since = min(self._turning_since, state.time)
         if state.settled and (state.homed or self.doing != HOMING):
             self._deadline, self.doing = math.inf, ""
 
@@ -110,6 +117,8 @@ class MotionMonitor:
             return f"at {math.degrees(state.angle):.2f} deg, not {wanted} after {self._rules.max_move_s:g} s"
         if now > self._rest_by:
             return f"still turning after a stop, at {math.degrees(state.rate):.1f} deg/s"
+        if state.time - self._turning_since > UNASKED_S:
+            return f"turning again after a stop, at {math.degrees(state.rate):.1f} deg/s"
         return ""
 
     def _straying(self, state: ActuatorState, able: Capabilities) -> str:

@@ -148,6 +148,27 @@ def test_a_device_that_turns_on_with_any_fault_is_told_to_stop_every_second() ->
     assert len(on.device.asked) == asked
 
 
+def test_a_device_that_turns_again_after_a_stop_is_a_fault_and_is_told_to_stop() -> None:
+    """At rest nothing is expected any more of a device but to stay there."""
+    on = bench()
+    on.guard.command(1.0)
+    on.guard.stop()
+    on.clock.sleep(5.0)
+    on.device.now = replace(on.device.now, rate=0.5)
+    on.clock.sleep(0.25)
+    assert on.guard.state().healthy
+    asked = len(on.device.asked)
+    on.clock.sleep(0.2)
+    assert on.guard.state().fault == "turning again after a stop, at 28.6 deg/s"
+    assert on.device.asked[asked:] == ["stop"]
+    on.device.now = replace(on.device.now, rate=0.0)
+    on.clock.sleep(0.1)
+    on.guard.rearm()
+    on.device.now = replace(on.device.now, rate=0.5)
+    on.clock.sleep(5.0)
+    assert on.guard.state().healthy  # by somebody's hand, perhaps
+
+
 @pytest.mark.parametrize("lost", [{"homed": False}, {"healthy": False}])
 def test_nobody_parks_when_the_place_is_lost(lost: dict[str, bool]) -> None:
     on = bench(on_fault="park", max_move_s=0.5)
