@@ -104,11 +104,11 @@ class ModelFolder:
         ConfigError
             When there is none of that name, or it cannot be deleted.
         """
+        if name not in self.names():  # nor a path to a file elsewhere
+            raise ConfigError(f"no voice model {shown(name)} was added{near(name, self.names())}")
         try:
-            self.path(name).unlink()
+            self.path(name).unlink(missing_ok=True)
             self._calibration_path(name).unlink(missing_ok=True)
-        except FileNotFoundError as error:
-            raise ConfigError(f"no voice model '{name}' was added{near(name, self.names())}") from error
         except OSError as error:
             raise ConfigError(f"{self.path(name)}: cannot be deleted: {error.strerror}") from error
 

@@ -56,6 +56,20 @@ def test_a_network_is_kept_used_by_itself_and_removed(folder, file):
         folder.remove("small")
 
 
+@pytest.mark.parametrize("place", ["{away}/mine", "../../away/mine"], ids=["absolute", "relative"])
+def test_no_file_outside_the_folder_is_removed(folder, file, tmp_path, place):
+    folder.add(file)
+    away = tmp_path / "away"
+    away.mkdir()
+    own = [away / "mine.onnx", away / "mine.json"]
+    for path in own:
+        path.write_text("the user's own")
+    with pytest.raises(ConfigError, match=r"no voice model '.*' was added"):
+        folder.remove(place.format(away=away))
+    assert [path.read_text() for path in own] == 2 * ["the user's own"]
+    assert folder.names() == ("small",)
+
+
 def test_of_several_networks_one_has_to_be_chosen(folder, file, tmp_path):
     folder.add(file)
     other = tmp_path / "other.onnx"
