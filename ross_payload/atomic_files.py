@@ -15,35 +15,39 @@ PART = ".part"  # in the name of what is not whole yet
 
 
 @contextmanager
-def replacing(path: Path, mode: int = 0o666) -> Iterator[Path]:
+def replacing(path: Path, mode: int = 0o666, *, new: bool = False) -> Iterator[Path]:
     """Give an empty file beside ``path``; it takes the place of ``path`` in the end, unless something went wrong.
 
-    Its name is its own, so that of two writers the last wins with a whole file. ``mode`` is narrowed by the umask.
+    Its name is its own, so that of two writers the last wins with a whole file; if ``new``, the first. ``mode`` is
+    narrowed by the umask.
 
     Raises
     ------
     OSError
-        When it cannot be made or put in place.
+        When it cannot be made or put in place; FileExistsError when it is to be new and ``path`` is there.
     """
     part = path.with_name(f".{secrets.token_hex(4)}{PART}-{path.name}")  # with its suffix, by which formats are chosen
     os.close(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode))
     try:
         yield part
-        part.replace(path)
+        if new:
+            os.link(part, path)
+        else:
+            part.replace(path)
     finally:
         part.unlink(missing_ok=True)
 
 
-def write_whole(path: Path, data: bytes) -> None:
-    """Write a file crash-safe, for its owner alone, and its folder where it is missing.
+def write_whole(path: Path, data: bytes, *, new: bool = False) -> None:
+    """Write a file crash-safe, for its owner alone, and its folder where it is missing; if ``new``, in place of none.
 
     Raises
     ------
     OSError
-        When it cannot be written.
+        When it cannot be written, or is to be new and is there.
     """
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    with replacing(path, 0o600) as part, part.open("wb") as file:
+    with replacing(path, 0o600, new=new) as part, part.open("wb") as file:
         file.write(data)
         file.flush()
         os.fsync(file.fileno())

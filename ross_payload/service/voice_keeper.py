@@ -17,6 +17,7 @@ from ross_payload.events import Enrolled, Event
 from ross_payload.interfaces import Input
 from ross_payload.orders import Enrol, Order
 from ross_payload.voiceprint import EmbeddingPrint, VoiceStore
+from ross_payload.voiceprint.store import NameTaken
 
 log = logging.getLogger(__name__)
 
@@ -32,7 +33,8 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
 
     def __init__(self, store: VoiceStore | None) -> None:
         self._store = store
-        self._names = set(store.names()) if store is not None else set()
+        self._names: set[str] = set()  # given here; not all of them are written yet
+        self._chosen: set[str] = set()  # of these, the numbers that nobody asked for
         self._writer = ThreadPoolExecutor(max_workers=1, thread_name_prefix="voices")
         self._troubles: SimpleQueue[str] = SimpleQueue()
 
@@ -44,11 +46,12 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
 
     def named(self, order: Order) -> Order:
         """Return an order with a name for whom it enrols: "talker-" and a number, where none was told."""
-        if not isinstance(order, Enrol) or order.name:
+        if not isinstance(order, Enrol):
             return order
-        name = next(name for number in count(1) if (name := f"talker-{number}") not in self._names)
-        self._names.add(name)
-        return replace(order, name=name)
+        if order.name:
+            self._chosen.discard(order.name)
+            return order
+        return replace(order, name=self._choose())
 
     def poll(self, tell: Callable[[str], None]) -> None:
         """Tell in words what went wrong since the last call."""
@@ -66,11 +69,33 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
             self._names.add(event.name)
             self._writer.submit(self._keep, self._store, event.name, voice)
 
+    def _choose(self) -> str:
+        """Return the lowest number that nobody has, here or in the store, which other programs write to as well."""
+        taken = self._names | set(self._store.names() if self._store is not None else ())
+        name = next(name for number in count(1) if (name := f"talker-{number}") not in taken)
+        self._names.add(name)
+        self._chosen.add(name)
+        return name
+
     def _keep(self, store: VoiceStore, name: str, voice: EmbeddingPrint) -> None:
         try:
-            store.save(name, voice)
+            kept = self._saved(store, name, voice)
         except (ConfigError, OSError) as error:
             log.error("%s is enrolled until this program ends: %s", name, error)
             self._troubles.put(f"voice print of {name} not kept: {error}")
-        else:
-            log.info("enrolled %s; 'ross enroll %s --forget' deletes the voice print", name, name)
+            return
+        log.info("enrolled %s; 'ross enroll %s --forget' deletes the voice print", kept, kept)
+        if kept != name:
+            self._troubles.put(f"voice print of {name} kept as {kept}: another {name} was enrolled meanwhile")
+
+    def _saved(self, store: VoiceStore, name: str, voice: EmbeddingPrint) -> str:
+        """Save a voice and return its name: another number when somebody else has got a chosen one meanwhile."""
+        while name in self._chosen:
+            try:
+                store.save(name, voice, new=True)
+            except NameTaken:
+                name = self._choose()
+            else:
+                return name
+        store.save(name, voice)
+        return name

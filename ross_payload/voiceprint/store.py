@@ -35,15 +35,19 @@ class Damaged(ConfigError):
     """A file that is no voice print at all, whoever's it was."""
 
 
-def save(voice: EmbeddingPrint, path: Path) -> None:
+class NameTaken(ConfigError):
+    """Somebody else is enrolled under that name."""
+
+
+def save(voice: EmbeddingPrint, path: Path, *, new: bool = False) -> None:
     """Write a voice print as JSON, readable by its owner only; the file is whole or not there at all.
 
-    Missing folders are made with mode 0700.
+    Missing folders are made with mode 0700. If ``new``, no file is replaced.
 
     Raises
     ------
     ConfigError
-        When the file cannot be written.
+        When the file cannot be written; `NameTaken` when it is to be new and is there.
     """
     content = {
         "format": FORMAT,
@@ -54,8 +58,10 @@ def save(voice: EmbeddingPrint, path: Path) -> None:
         **voice.values(),
     }
     try:
-        write_whole(path, (json.dumps(content) + "\n").encode())
+        write_whole(path, (json.dumps(content) + "\n").encode(), new=new)
     except OSError as error:
+        if new and os.path.lexists(path):
+            raise NameTaken(f"{path}: expected a new voice print, got one that is there") from error
         raise ConfigError(f"{path}: the voice print cannot be written: {error.strerror}") from error
 
 
@@ -106,10 +112,16 @@ class VoiceStore:
         """Return who is enrolled, sorted."""
         return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
 
-    def save(self, name: str, voice: EmbeddingPrint) -> Path:
-        """Keep a voice print under a name, in place of an earlier one; returns the file."""
+    def save(self, name: str, voice: EmbeddingPrint, *, new: bool = False) -> Path:
+        """Keep a voice print under a name, in place of an earlier one; returns the file.
+
+        Raises
+        ------
+        ConfigError
+            When it cannot be written; `NameTaken` when it is to be ``new`` and the name has a print.
+        """
         path = self.path(name)
-        save(voice, path)
+        save(voice, path, new=new)
         self.folder.chmod(0o700)
         return path
 

@@ -200,3 +200,34 @@ def test_who_has_no_name_gets_a_number(store):
         asked = [keeper.named(Enrol(source=0, consent=True)) for _ in range(2)]
         assert [order.name for order in asked] == ["talker-2", "talker-3"]
         assert keeper.named(Enrol(source=0, name="ann", consent=True)).name == "ann"
+
+
+def test_two_payloads_of_one_user_number_voices_one_after_the_other(store):
+    first, second = (replace(model_of(), embedding=row) for row in np.eye(built_in_model().size)[:2])
+    said = []
+    with VoiceKeeper(store) as two:
+        with VoiceKeeper(store) as one:
+            names = [keeper.named(Enrol(source=0, consent=True)).name for keeper in (one, two)]
+            assert names == ["talker-1", "talker-1"]
+            one.on_event(Enrolled(1.0, "talker-1", 0, 0.0, 5.0, first), None)
+        two.on_event(Enrolled(2.0, "talker-1", 0, 0.0, 5.0, second), None)
+    two.poll(said.append)
+    assert store.names() == ("talker-1", "talker-2")
+    np.testing.assert_array_equal(store.load("talker-1").embedding, first.embedding)
+    np.testing.assert_array_equal(store.load("talker-2").embedding, second.embedding)
+    assert said == ["voice print of talker-1 kept as talker-2: another talker-1 was enrolled meanwhile"]
+
+
+def test_a_number_that_was_enrolled_meanwhile_is_not_given_again(store):
+    with VoiceKeeper(store) as keeper:
+        store.save("talker-1", model_of())
+        assert keeper.named(Enrol(source=0, consent=True)).name == "talker-2"
+
+
+def test_a_number_that_was_asked_for_replaces_the_print(store):
+    store.save("talker-1", model_of(seconds=2.0))
+    with VoiceKeeper(store) as keeper:
+        assert keeper.named(Enrol(source=0, name="talker-1", consent=True)).name == "talker-1"
+        keeper.on_event(Enrolled(1.0, "talker-1", 0, 0.0, 5.0, model_of(seconds=5.0)), None)
+    assert store.names() == ("talker-1",)
+    assert store.load("talker-1").seconds == 5.0
