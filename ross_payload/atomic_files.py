@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from io import FileIO
 from pathlib import Path
 from typing import Any
@@ -26,8 +27,7 @@ def replacing(path: Path, mode: int = 0o666, *, new: bool = False) -> Iterator[P
     OSError
         When it cannot be made or put in place; FileExistsError when it is to be new and ``path`` is there.
     """
-    part = path.with_name(f".{secrets.token_hex(4)}{PART}-{path.name}")  # with its suffix, by which formats are chosen
-    os.close(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode))
+    part, lock = _locked_part(path, mode)
     try:
         yield part
         if new:
@@ -35,7 +35,33 @@ def replacing(path: Path, mode: int = 0o666, *, new: bool = False) -> Iterator[P
         else:
             part.replace(path)
     finally:
+        os.close(lock)
         part.unlink(missing_ok=True)
+
+
+def _locked_part(path: Path, mode: int) -> tuple[Path, int]:
+    """Make a file beside ``path`` and lock it until it is closed: one that nobody has locked was left by a kill."""
+    while True:
+        name = f".{secrets.token_hex(4)}{PART}-{path.name}"  # with its suffix, by which formats are chosen
+        part = path.with_name(name)
+        handle = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
+        with suppress(OSError):  # a file system without locks
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        if part.exists():  # else somebody removed it before it was locked
+            return part, handle
+        os.close(handle)
+
+
+def remove_leftovers(folder: Path, pattern: str) -> None:
+    """Remove what kills left of files in ``folder`` whose names match; what is being written now stays."""
+    for part in folder.glob(f".{8 * '?'}{PART}-{pattern}"):
+        with suppress(OSError):
+            handle = os.open(part, os.O_RDWR | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                part.unlink()
+            finally:
+                os.close(handle)
 
 
 def write_whole(path: Path, data: bytes, *, new: bool = False) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ross_payload.atomic_files import write_whole
+from ross_payload.atomic_files import PART, remove_leftovers, write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
 from ross_payload.errors import ConfigError, near, shown
 from ross_payload.voiceprint.built_in import built_in_model
@@ -121,6 +121,7 @@ class VoiceStore:
             When it cannot be written; `NameTaken` when it is to be ``new`` and the name has a print.
         """
         path = self.path(name)
+        remove_leftovers(self.folder, f"*{SUFFIX}")
         save(voice, path, new=new)
         self.folder.chmod(0o700)
         return path
@@ -149,19 +150,24 @@ class VoiceStore:
             raise ConfigError(f"no voice '{name}' is enrolled; enrolled: {known}{near(name, self.names())}")
 
     def forget(self, name: str) -> None:
-        """Delete the voice print of a name.
+        """Delete the voice print of a name, also what a kill has left of one, and damaged ones that were set aside.
 
         Raises
         ------
         ConfigError
-            When nobody of that name is enrolled, or the file cannot be deleted.
+            When nobody of that name is enrolled, or a file cannot be deleted.
         """
+        path = self.path(name)
+        ours = re.compile(rf"(\.[0-9a-f]{{8}}{re.escape(PART)}-)?{re.escape(path.name)}(\.unreadable(-\d+)?)?")
         try:
-            self.path(name).unlink()
-        except FileNotFoundError as error:
-            raise ConfigError(f"no voice '{name}' is enrolled{near(name, self.names())}") from error
+            there = self.folder.iterdir() if self.folder.is_dir() else ()
+            found = [each for each in there if ours.fullmatch(each.name)]
+            for each in found:
+                each.unlink(missing_ok=True)
         except OSError as error:
-            raise ConfigError(f"{self.path(name)}: cannot be deleted: {error.strerror}") from error
+            raise ConfigError(f"{path}: cannot be deleted: {error.strerror}") from error
+        if not found:
+            raise ConfigError(f"no voice '{name}' is enrolled{near(name, self.names())}")
 
 
 def _decoded(content: Any, model: VoiceModel, path: Path) -> EmbeddingPrint:

@@ -2,11 +2,15 @@
 
 import json
 import stat
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ross_payload.atomic_files import replacing
+from ross_payload.bounded_files import set_aside
 from ross_payload.errors import ConfigError
 from ross_payload.sessions.npz_memory import packed_voice, restored_voice
 from ross_payload.voiceprint import EmbeddingPrint, VoiceStore, built_in_model, load, save
@@ -60,6 +64,52 @@ def test_names_are_listed_and_forgotten(model, store):
     store.forget("ann")
     assert store.names() == ("bob",)
     assert not store.path("ann").exists()
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+from ross_payload import atomic_files
+
+atomic_files.os.fsync = lambda handle: os._exit(9)  # as by a kill, or a power cut
+atomic_files.write_whole(Path(sys.argv[1]), b"the whole print")
+"""
+
+
+@pytest.fixture
+def leftover(store):
+    """What a killed program has left of a print of ann."""
+    assert subprocess.run([sys.executable, "-c", KILLED, store.path("ann")], check=False).returncode == 9
+    (path,) = store.folder.iterdir()
+    assert path.read_bytes() == b"the whole print"
+    return path
+
+
+def test_what_a_kill_has_left_of_a_print_is_forgotten(store, leftover):
+    assert store.names() == ()
+    with pytest.raises(ConfigError, match="no voice 'an' is enrolled"):
+        store.forget("an")
+    assert leftover.exists()
+    store.forget("ann")
+    assert not list(store.folder.iterdir())
+
+
+def test_a_damaged_print_that_was_set_aside_is_forgotten_too(model, store):
+    others = ["ann.json.unreadable", "bob"]
+    for name in ("ann", *others):
+        store.save(name, model)
+    set_aside(store.path("ann"), "unreadable")
+    store.forget("ann")
+    assert store.names() == tuple(others)
+    assert len(list(store.folder.iterdir())) == 2
+
+
+def test_saving_removes_what_a_kill_has_left_but_not_what_is_being_written(model, store, leftover):
+    with replacing(store.path("cleo")) as part:
+        store.save("bob", model)
+        assert part.exists()
+        assert not leftover.exists()
+    assert store.names() == ("bob", "cleo")
 
 
 def test_nobody_of_that_name(model, store):
