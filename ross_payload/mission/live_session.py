@@ -205,7 +205,7 @@ class LiveSession:
             result = yield from self._watched(task)
         except TaskRefused as refused:
             self._close(task, Result(Outcome.FAULT, str(refused)), State.DONE)
-        except PluginError as error:  # a separator or explorer of others
+        except PluginError as error:  # a separator, an explorer or a network of others
             return (yield from self._end(task, Ended(Outcome.FAULT, str(error))))
         except Ended as ended:
             return (yield from self._end(task, ended))

@@ -36,7 +36,7 @@ def mission(settings: Settings, tools: Tools, informed: Estimate | None = None, 
         yield from hop(context)
         yield from lead_in(context)
         result = yield from attempts(context, informed, target)
-    except PluginError as error:  # a separator or explorer of others
+    except PluginError as error:  # a separator, an explorer or a network of others
         context.enter(State.FAULT, str(error))
         result = Result(Outcome.FAULT, str(error))
     except Ended as ended:

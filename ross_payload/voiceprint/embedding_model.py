@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, PluginError
 from ross_payload.interfaces import Real
 from ross_payload.plugins import install_line
 from ross_payload.voiceprint.built_in import built_in_model
@@ -24,7 +24,7 @@ from ross_payload.voiceprint.features import RATE, Features
 
 BANDS = 80
 FULL_SCALE = 32768.0  # Kaldi's samples are those of 16 bits
-LEAST_FRAMES = 30  # 0.3 s: what a network is tried with
+TRIED_FRAMES = (30, 300)  # 0.3 and 3 s of noise: what a network is tried with
 BUILT_IN = 0.05  # weight of what the built-in model says beside the cosine of a network
 
 
@@ -52,11 +52,10 @@ class EmbeddingModel:
         self.calibration = calibration
         self._built_in = built_in_model()
         self.fingerprint = hashlib.sha256(content + self._built_in.fingerprint.encode()).hexdigest()[:16]
-        self._session, self._input = _opened(content, name)
+        self._session, self._input, self._alone = _opened(content, name)
         told = self._session.get_modelmeta().custom_metadata_map
         self.licence: str = told.get("license", told.get("licence", ""))  # empty: the file names none
-        self._alone = len(self._run(np.zeros((LEAST_FRAMES, BANDS), np.float32)))  # numbers of the network's part
-        self.size = self._alone + self._built_in.size  # numbers of an embedding
+        self.size = self._alone + self._built_in.size  # numbers of an embedding, the first of them the network's
 
     def enrolled(self, samples: Real, features: Features, *, separated: bool) -> EmbeddingPrint:
         """Return the print of a voice (n,) at `RATE`: of its recording and, unless it was ``separated``, of copies."""
@@ -66,6 +65,11 @@ class EmbeddingModel:
         """Return the embedding of a recording (n,) at `RATE`, of length 1 or, of less than 0.3 s, 0, (size,).
 
         It is that of the network and that of the built-in model, side by side.
+
+        Raises
+        ------
+        PluginError
+            When the network fails, or gives something else than finite numbers.
         """
         if len(samples) < LEAST_SECONDS * RATE:
             return np.zeros(self.size)
@@ -78,7 +82,17 @@ class EmbeddingModel:
         return cosine + BUILT_IN * self._built_in.similarity(unit(given), unit(told))
 
     def _run(self, features: Real) -> Real:
-        return np.asarray(self._session.run(None, {self._input: features[None]})[0][0], np.float64)
+        """Return what the network makes of filter banks (n_frames, BANDS), (n,)."""
+        try:
+            found = np.asarray(self._session.run(None, {self._input: features[None]})[0][0], np.float64)
+        except Exception as error:  # onnxruntime has a class of its own for each way to fail
+            told = str(error).partition("\n")[0]
+            raise PluginError(f"{self.name}: expected an embedding of {len(features)} frames, got {told}") from error
+        if found.shape != (self._alone,) or not np.isfinite(found).all():
+            got = "numbers that are not finite" if found.shape == (self._alone,) else f"shape {found.shape}"
+            expected = f"{self._alone} finite numbers of {len(features)} frames"
+            raise PluginError(f"{self.name}: expected {expected}, got {got}")
+        return found
 
 
 def filter_banks(samples: Real) -> Real:
@@ -96,8 +110,11 @@ def filter_banks(samples: Real) -> Real:
     return np.asarray(frames - frames.mean(axis=0))
 
 
-def _opened(content: bytes, name: str) -> tuple[Any, str]:
-    """Open a network and check that it is one of speakers; returns it and the name of its input."""
+def _opened(content: bytes, name: str) -> tuple[Any, str, int]:
+    """Open a network and check that it is one of speakers; returns it, the name of its input and how many numbers.
+
+    It is tried with noise of two lengths: a network may be made for one, and zeros would hide what is not finite.
+    """
     try:
         import kaldi_native_fbank  # noqa: F401, PLC0415
         import onnxruntime  # noqa: PLC0415
@@ -114,11 +131,21 @@ def _opened(content: bytes, name: str) -> tuple[Any, str]:
     shapes = ", ".join(f"{each.name} {each.shape}" for each in (*inputs, *outputs))
     if len(inputs) != 1 or len(inputs[0].shape) != len(("batch", "frames", "bands")):
         raise ConfigError(f"{name}: expected one input (batch, frames, {BANDS}), got {shapes}")
-    try:
-        found = session.run(None, {inputs[0].name: np.zeros((1, LEAST_FRAMES, BANDS), np.float32)})[0]
-    except Exception as error:
-        told = str(error).splitlines()[0]
-        raise ConfigError(f"{name}: expected float32 (batch, frames, {BANDS}), got {shapes}: {told}") from error
-    if np.ndim(found) != len(("batch", "size")):
-        raise ConfigError(f"{name}: expected one embedding (batch, size), got {shapes}")
-    return session, inputs[0].name
+    sizes = []
+    for frames in TRIED_FRAMES:
+        noise = np.random.default_rng(0).standard_normal((1, frames, BANDS)).astype(np.float32)
+        try:
+            found = np.asarray(session.run(None, {inputs[0].name: noise - noise.mean(axis=1, keepdims=True)})[0])
+        except Exception as error:
+            told = str(error).splitlines()[0]
+            raise ConfigError(f"{name}: expected float32 (batch, frames, {BANDS}), got {shapes}: {told}") from error
+        if found.ndim != len(("batch", "size")) or len(found) != 1 or found.dtype.kind != "f":
+            raise ConfigError(f"{name}: expected one embedding (batch, size), got {shapes}")
+        if not np.isfinite(found).all() or not found.any():
+            got = "zeros" if np.isfinite(found).all() else "numbers that are not finite"
+            raise ConfigError(f"{name}: expected an embedding of {frames} frames of noise, got {got}")
+        sizes.append(found.shape[1])
+    if len(set(sizes)) > 1:
+        of = " and ".join(f"{size} of {frames} frames" for size, frames in zip(sizes, TRIED_FRAMES, strict=True))
+        raise ConfigError(f"{name}: expected as many numbers of every recording, got {of}")
+    return session, inputs[0].name, sizes[0]

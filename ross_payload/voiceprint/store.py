@@ -47,8 +47,12 @@ def save(voice: EmbeddingPrint, path: Path, *, new: bool = False) -> None:
     Raises
     ------
     ConfigError
-        When the file cannot be written; `NameTaken` when it is to be new and is there.
+        When the print is not finite, or the file cannot be written; `NameTaken` when it is to be new and is there.
     """
+    finite = np.isfinite([*voice.embedding, voice.seconds, voice.criterion]).all()
+    if not finite or not voice.embedding.any():
+        got = "zeros" if finite else "numbers that are not finite"
+        raise ConfigError(f"{path}: expected a voice print to compare with, got {got}: the old one is kept, if any")
     content = {
         "format": FORMAT,
         "version": VERSION,

@@ -12,17 +12,27 @@ from ross_payload.voiceprint.features import RATE
 SIZE = 16
 
 
-def speaker_network(bands=80, size=SIZE, seed=0, *, over_time=True, licence="CC0-1.0"):
-    """Return its bytes."""
+def speaker_network(
+    bands=80, size=SIZE, seed=0, *, over_time=True, licence="CC0-1.0", frames="frames", last="embedding"
+):
+    """Return its bytes; ``last`` is what it gives.
+
+    ``nothing`` are zeros, ``roots`` those of numbers of either sign, ``by_frame`` as many numbers as there are frames.
+    """
     weights = np.random.default_rng(seed).standard_normal((bands, size)).astype(np.float32)
     nodes = [
         helper.make_node("Abs", ["feats"], ["size"]),
         helper.make_node("ReduceMean", ["size"], ["mean"], axes=[1], keepdims=0 if over_time else 1),
         helper.make_node("MatMul", ["mean", "weights"], ["embedding"]),
+        helper.make_node("Sub", ["embedding", "embedding"], ["nothing"]),
+        helper.make_node("Sqrt", ["embedding"], ["roots"]),
+        helper.make_node("ReduceMean", ["size"], ["by_frame"], axes=[2], keepdims=0),
     ]
-    feats = helper.make_tensor_value_info("feats", TensorProto.FLOAT, ["batch", "frames", bands])
+    feats = helper.make_tensor_value_info("feats", TensorProto.FLOAT, ["batch", frames, bands])
     shape = ["batch", size] if over_time else ["batch", 1, size]
-    embedding = helper.make_tensor_value_info("embedding", TensorProto.FLOAT, shape)
+    embedding = helper.make_tensor_value_info(
+        last, TensorProto.FLOAT, shape if last != "by_frame" else ["batch", frames]
+    )
     kept = [numpy_helper.from_array(weights, "weights")]
     graph = helper.make_graph(nodes, "speakers", [feats], [embedding], kept)
     model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 13)], ir_version=8)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ross_payload.audio.audio_files import read_mono
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, PluginError
 from ross_payload.interfaces import Clip
 from ross_payload.voiceprint import VoiceStore, built_in_model, enrol
 from ross_payload.voiceprint.built_in import SEVERAL
@@ -88,8 +88,12 @@ def test_of_several_networks_one_has_to_be_chosen(folder, file, tmp_path):
         (b"no network", "expected an ONNX file"),
         (speaker_network(bands=40), r"expected float32 \(batch, frames, 80\), got feats"),
         (speaker_network(over_time=False), r"expected one embedding \(batch, size\)"),
+        (speaker_network(frames=30), r"expected float32 \(batch, frames, 80\), got feats"),
+        (speaker_network(last="by_frame"), "got 30 of 30 frames and 300 of 300 frames"),
+        (speaker_network(last="nothing"), "got zeros"),
+        (speaker_network(last="roots"), "got numbers that are not finite"),
     ],
-    ids=["text", "40 bands", "an embedding per frame"],
+    ids=["text", "40 bands", "an embedding per frame", "0.3 s only", "a number per frame", "zeros", "not finite"],
 )
 def test_what_is_no_network_of_speakers_is_refused_and_replaces_nothing(folder, file, content, words):
     kept = folder.add(file).fingerprint
@@ -104,6 +108,42 @@ def test_names_that_would_mislead_are_refused(folder, tmp_path, name):
     (tmp_path / name).write_bytes(speaker_network())
     with pytest.raises(ConfigError, match="as the name of a file"):
         folder.add(tmp_path / name)
+
+
+class Failing:
+    """A session of onnxruntime that does not go on as it began."""
+
+    def __init__(self, found):
+        self.found = found
+
+    def run(self, _outputs, _inputs):
+        if isinstance(self.found, Exception):
+            raise self.found
+        return [self.found]
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [
+        (RuntimeError("[ONNXRuntimeError] : 6\nby a kernel"), r"frames, got \[ONNXRuntimeError\] : 6$"),
+        (np.full((1, SIZE), np.nan), "got numbers that are not finite"),
+        (np.ones((1, SIZE + 1)), r"got shape \(17,\)"),
+    ],
+)
+def test_a_network_that_fails_later_is_one_clear_line(monkeypatch, found, words):
+    network = EmbeddingModel(speaker_network(), "small.onnx", ANY)
+    monkeypatch.setattr(network, "_session", Failing(found))
+    with pytest.raises(PluginError, match=f"small.onnx: expected .*{words}"):
+        enrol(vowel(), RATE, network)
+
+
+@pytest.mark.parametrize(("wrong", "got"), [(np.nan, "not finite"), (0.0, "zeros")])
+def test_a_print_that_compares_with_nothing_does_not_replace_a_good_one(ann, tmp_path, wrong, got):
+    store = VoiceStore(tmp_path / "voices")
+    before = store.save("ann", ann).read_bytes()
+    with pytest.raises(ConfigError, match=got):
+        store.save("ann", replace(ann, embedding=wrong * ann.embedding))
+    assert store.path("ann").read_bytes() == before
 
 
 def test_a_calibration_is_kept_beside_its_network(folder, file, tmp_path):
