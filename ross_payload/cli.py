@@ -92,13 +92,14 @@ def show(file: Path) -> None:
 @click.option("--forget", is_flag=True, help="Delete the voice print of NAME instead.")
 @click.option("--model", default="auto", help="As [voice_print] model of the payload; see ross voice-model.")
 def enroll(name: str, file: Path | None, forget: bool, model: str) -> None:
-    """Make the voice print of NAME from a file of AUDIO with a few seconds of clean speech.
+    """Make the voice print of NAME from a file of AUDIO with a few seconds of clean speech, two minutes at most.
 
     A voice print is personal data: it is kept on this computer only, readable by you alone, until you --forget it.
     """
     from ross_payload.audio.audio_files import read_mono
     from ross_payload.voiceprint import VoiceStore, enrol
     from ross_payload.voiceprint.model_folder import ModelFolder
+    from ross_payload.voiceprint.speaker_model import LONGEST as LONGEST_SPEECH
 
     store = VoiceStore.default()
     if forget:
@@ -107,7 +108,9 @@ def enroll(name: str, file: Path | None, forget: bool, model: str) -> None:
         return
     if file is None:
         raise click.UsageError("AUDIO: expected an audio file with a few seconds of speech, got none")
-    voice, rate = read_mono(file)
+    voice, rate, goes_on = read_mono(file, LONGEST_SPEECH)
+    if goes_on:
+        click.echo(printable(f"{file}: the first {LONGEST_SPEECH:g} s are used, the rest is left out"), err=True)
     store.save(name, enrol(voice, rate, ModelFolder.default().in_use(model)))
     click.echo(f"enrolled {name}; 'ross enroll {name} --forget' deletes the voice print")
 

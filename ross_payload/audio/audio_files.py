@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
@@ -14,6 +15,8 @@ from ross_payload.atomic_files import replacing
 from ross_payload.errors import AudioError, OutputError, refused_as
 from ross_payload.interfaces import Real
 
+BLOCK = 65_536  # samples that are read at a time
+
 
 def read_audio(path: Path) -> tuple[Real, int]:
     """Read a file, (n_samples, n_channels), and its rate [Hz].
@@ -23,30 +26,47 @@ def read_audio(path: Path) -> tuple[Real, int]:
     AudioError
         When the file is missing or not audio.
     """
-    with refused_as(AudioError, f"{path}: cannot be read"):
-        if not path.is_file():
-            raise AudioError(f"{path}: no such file")
-    try:
-        samples, rate = soundfile.read(path, dtype="float64", always_2d=True)
-    except (soundfile.LibsndfileError, RuntimeError, TypeError) as error:  # a raw file tells no rate
-        raise AudioError(f"{path}: expected audio that libsndfile can read") from error
-    return samples, int(rate)
+    with _opened(path) as file:
+        return file.read(always_2d=True), int(file.samplerate)
 
 
-def read_mono(path: Path) -> tuple[Real, int]:
-    """Read a file as one channel (n_samples,), the mean of its channels, and its rate [Hz].
+def read_mono(path: Path, longest: float = math.inf) -> tuple[Real, int, bool]:
+    """Read the first seconds of a file, ``longest`` [s] at most, as one channel: the mean of its channels.
+
+    Returns
+    -------
+    tuple
+        Samples (n_samples,), rate [Hz], and whether the file goes on.
 
     Raises
     ------
     AudioError
         When the file is missing, not audio, empty, or holds samples that are not finite.
     """
-    samples, rate = read_audio(path)
-    if len(samples) == 0:
-        raise AudioError(f"{path}: expected speech, got a clip of 0 s")
-    if not np.isfinite(samples).all():
-        raise AudioError(f"{path}: expected finite samples, got NaN or infinity")
-    return samples.mean(axis=1), rate
+    read: list[Real] = []
+    with _opened(path) as file:
+        left = math.inf if longest == math.inf else round(longest * file.samplerate)
+        while len(block := file.read(min(left, BLOCK), always_2d=True)):  # an hour does not fit into the memory
+            if not np.isfinite(block).all():
+                raise AudioError(f"{path}: expected finite samples, got NaN or infinity")
+            read.append(block.mean(axis=1))
+            left -= len(block)
+        if not read:
+            raise AudioError(f"{path}: expected speech, got a clip of 0 s")
+        return np.concatenate(read), int(file.samplerate), left == 0 and len(file.read(1)) > 0
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[soundfile.SoundFile]:
+    """Open a file for reading; whatever libsndfile says against it becomes an AudioError."""
+    with refused_as(AudioError, f"{path}: cannot be read"):
+        if not path.is_file():
+            raise AudioError(f"{path}: no such file")
+    try:
+        with soundfile.SoundFile(path) as file:
+            yield file
+    except (soundfile.LibsndfileError, RuntimeError, TypeError) as error:  # a raw file tells no rate
+        raise AudioError(f"{path}: expected audio that libsndfile can read") from error
 
 
 BUFFER = 16000  # samples that wait to be written together: a hop at a time would cost more than the hearing

@@ -13,6 +13,7 @@ from ross_payload.voiceprint.embedding_print import Embedder, EmbeddingPrint
 from ross_payload.voiceprint.features import Features, analyse, at_rate, checked
 
 ENROL_SECONDS = 1.5  # least voiced speech to enrol from [s]
+LONGEST = 120.0  # what `ross enroll` uses of a recording [s]: 4 s are enough, and memory grows with it
 CLIPPED_SHARE = 5e-4  # of the samples, from which a recording counts as clipped
 
 

@@ -10,6 +10,9 @@ import soundfile
 
 from command_line import called
 from ross_payload import cli
+from ross_payload.audio.audio_files import BLOCK, read_mono
+from ross_payload.voiceprint import speaker_model
+from speaker_network import vowel
 
 
 @pytest.fixture
@@ -168,6 +171,29 @@ def test_enrolling_silence_is_refused_and_nothing_is_kept(run, tmp_path):
     assert code == 2
     assert err.count("\n") == 1
     assert not list((tmp_path / "data").rglob("*anna*"))
+
+
+def test_of_a_long_recording_the_beginning_is_used_and_it_says_so(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(speaker_model, "LONGEST", 4.0)
+    voice, long, short = vowel(), tmp_path / "long.wav", tmp_path / "short.wav"
+    soundfile.write(short, voice, 16000)
+    soundfile.write(long, np.concatenate([voice, np.full(16000, 0.5)]), 16000)
+    assert run("enroll", "ann", short)[2] == ""
+    assert run("enroll", "bob", long)[2] == f"{long}: the first 4 s are used, the rest is left out\n"
+    ann, bob = (tmp_path / "data" / "ross" / "voices" / f"{name}.json" for name in ("ann", "bob"))
+    assert ann.read_bytes() == bob.read_bytes()
+
+
+@pytest.mark.parametrize("form", ["wav", "flac"])
+def test_a_recording_is_read_as_the_mean_of_its_channels(tmp_path, form):
+    path = tmp_path / f"three.{form}"
+    soundfile.write(path, np.random.default_rng(0).uniform(-0.5, 0.5, (BLOCK + 1000, 3)), 16000)
+    samples, rate, goes_on = read_mono(path)
+    np.testing.assert_array_equal(samples, soundfile.read(path)[0].mean(axis=1))
+    assert (rate, goes_on) == (16000, False)
+    first, _, goes_on = read_mono(path, 0.5)
+    np.testing.assert_array_equal(first, samples[:8000])
+    assert goes_on
 
 
 def test_forgetting_somebody_unknown_says_so(run):

@@ -323,9 +323,10 @@ def test_a_published_network_tells_readers_apart(shared_model, speech):
     model = EmbeddingModel(shared_model.read_bytes(), shared_model.name, ANY)
     names = ("ls3005", "ls3331")
     clips = {(name, part): read_mono(speech / name / f"{part}.flac") for name in names for part in ("enrol", "speech")}
-    prints = {name: enrol(voice[: 3 * rate], rate, model) for name in names for voice, rate in [clips[name, "enrol"]]}
+    clean = {name: clips[name, "enrol"] for name in names}
+    prints = {name: enrol(voice[: 3 * rate], rate, model) for name, (voice, rate, _) in clean.items()}
     for name in names:
-        voice, rate = clips[name, "speech"]
+        voice, rate, _ = clips[name, "speech"]
         embedding = model.embed(at_rate(voice[: 3 * rate], rate))
         scores = {other: one.compared(embedding, 3.0) for other, one in prints.items()}
         assert [other for other, score in scores.items() if score.accepted] == [name]
