@@ -12,6 +12,7 @@ import numpy as np
 import soundfile
 
 from ross_payload.atomic_files import replacing
+from ross_payload.dsp.recording_limits import HIGHEST_PEAK, HIGHEST_RATE
 from ross_payload.errors import AudioError, OutputError, refused_as
 from ross_payload.interfaces import Real
 
@@ -24,10 +25,12 @@ def read_audio(path: Path) -> tuple[Real, int]:
     Raises
     ------
     AudioError
-        When the file is missing or not audio.
+        When the file is missing, not audio, sampled above 192 kHz or louder than any sound.
     """
     with _opened(path) as file:
-        return file.read(always_2d=True), int(file.samplerate)
+        samples = file.read(always_2d=True)
+        _check_peak(path, samples)
+        return samples, int(file.samplerate)
 
 
 def read_mono(path: Path, longest: float = math.inf) -> tuple[Real, int, bool]:
@@ -41,7 +44,8 @@ def read_mono(path: Path, longest: float = math.inf) -> tuple[Real, int, bool]:
     Raises
     ------
     AudioError
-        When the file is missing, not audio, empty, or holds samples that are not finite.
+        When the file is missing, not audio, empty, sampled above 192 kHz or louder than any sound, or holds samples
+        that are not finite.
     """
     read: list[Real] = []
     with _opened(path) as file:
@@ -49,6 +53,7 @@ def read_mono(path: Path, longest: float = math.inf) -> tuple[Real, int, bool]:
         while len(block := file.read(min(left, BLOCK), always_2d=True)):  # an hour does not fit into the memory
             if not np.isfinite(block).all():
                 raise AudioError(f"{path}: expected finite samples, got NaN or infinity")
+            _check_peak(path, block)
             read.append(block.mean(axis=1))
             left -= len(block)
         if not read:
@@ -64,9 +69,17 @@ def _opened(path: Path) -> Iterator[soundfile.SoundFile]:
             raise AudioError(f"{path}: no such file")
     try:
         with soundfile.SoundFile(path) as file:
+            if file.samplerate > HIGHEST_RATE:
+                raise AudioError(f"{path}: expected at most {HIGHEST_RATE} Hz, got {file.samplerate} Hz")
             yield file
     except (soundfile.LibsndfileError, RuntimeError, TypeError) as error:  # a raw file tells no rate
         raise AudioError(f"{path}: expected audio that libsndfile can read") from error
+
+
+def _check_peak(path: Path, samples: Real) -> None:
+    peak = float(np.abs(samples).max(initial=0.0))
+    if HIGHEST_PEAK < peak < math.inf:
+        raise AudioError(f"{path}: expected samples of at most {HIGHEST_PEAK:g} re full scale, got {peak:.3g}")
 
 
 BUFFER = 16000  # samples that wait to be written together: a hop at a time would cost more than the hearing

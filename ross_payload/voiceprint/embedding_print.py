@@ -99,7 +99,7 @@ class EmbeddingPrint:
         Raises
         ------
         AudioError
-            When the recording is empty, not one channel, not finite, or sampled below 16 kHz.
+            When the recording is empty, not one channel, not finite, or sampled below 16 or above 192 kHz.
         """
         return self.score_clips([Clip(voice)], rate)
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dct, irfft, rfft
 
+from ross_payload.dsp.recording_limits import HIGHEST_RATE
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
 
@@ -50,7 +51,7 @@ def analyse(voice: Real, rate: int) -> Features:
     Raises
     ------
     AudioError
-        When the recording is empty, not one channel, not finite, or sampled below 16 kHz.
+        When the recording is empty, not one channel, not finite, or sampled below 16 or above 192 kHz.
 
     Examples
     --------
@@ -72,6 +73,8 @@ def checked(voice: Real, rate: int) -> Real:
         raise AudioError(f"voice: expected one channel (n_samples,), got shape {samples.shape}")
     if rate < RATE:
         raise AudioError(f"voice: expected a rate of at least {RATE} Hz, got {rate} Hz")
+    if rate > HIGHEST_RATE:
+        raise AudioError(f"voice: expected a rate of at most {HIGHEST_RATE} Hz, got {rate} Hz")
     if not samples.size:
         raise AudioError("voice: expected a recording, got 0 s")
     if not np.isfinite(samples).all():

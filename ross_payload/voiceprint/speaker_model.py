@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ross_payload.dsp.recording_limits import HIGHEST_PEAK
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
 from ross_payload.voiceprint.built_in import built_in_model
@@ -34,9 +35,13 @@ def enrol(voice: Real, rate: int, model: VoiceModel | None = None, *, separated:
     Raises
     ------
     AudioError
-        When the recording is empty, silent, clipped, not finite, or holds less than 1.5 s of voiced speech.
+        When the recording is empty, silent, clipped, not finite, louder than any sound, sampled below 16 or above
+        192 kHz, or holds less than 1.5 s of voiced speech.
     """
     samples = checked(voice, rate)
+    peak = np.abs(samples).max()
+    if peak > HIGHEST_PEAK:
+        raise AudioError(f"enrolment: expected samples of at most {HIGHEST_PEAK:g} re full scale, got {peak:.3g}")
     if not samples.any():
         raise AudioError(f"enrolment: expected speech, got {len(samples) / rate:.1f} s of silence")
     if clipped_share(samples) > CLIPPED_SHARE:

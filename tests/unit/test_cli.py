@@ -173,6 +173,16 @@ def test_enrolling_silence_is_refused_and_nothing_is_kept(run, tmp_path):
     assert not list((tmp_path / "data").rglob("*anna*"))
 
 
+@pytest.mark.parametrize(("scale", "rate"), [(1.0, 1_999_999_999), (1e30, 16000)], ids=["rate", "peak"])
+def test_a_recording_of_no_sound_is_one_line(run, tmp_path, scale, rate):
+    path = tmp_path / "odd.wav"
+    soundfile.write(path, scale * vowel(), rate, subtype="DOUBLE")
+    code, out, err = run("enroll", "ann", path)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert f"{path}: expected " in err
+    assert not (tmp_path / "data").exists()
+
+
 def test_of_a_long_recording_the_beginning_is_used_and_it_says_so(run, tmp_path, monkeypatch):
     monkeypatch.setattr(speaker_model, "LONGEST", 4.0)
     voice, long, short = vowel(), tmp_path / "long.wav", tmp_path / "short.wav"

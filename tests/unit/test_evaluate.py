@@ -246,6 +246,8 @@ BAD = {
     "expected at least 1 s, got 0.50 s": lambda folder: wav(folder, stereo(1, 0.5)),
     "expected at least 1 s, got 0.00 s": lambda folder: wav(folder, stereo(1, 0)),
     "expected at least 8000 Hz, got 4000 Hz": lambda folder: wav(folder, stereo(1), 4000),
+    "expected at most 192000 Hz, got 1999999999 Hz": lambda folder: wav(folder, stereo(1), 1_999_999_999),
+    "expected samples of at most 1e+06 re full scale, got": lambda folder: wav(folder, 1e30 * stereo(1)),
     "expected audio": not_audio,
     "not in the mixture": lambda folder: wav(folder, stereo(99)),
 }

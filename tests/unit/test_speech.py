@@ -64,12 +64,19 @@ def test_channels_are_averaged(tmp_path):
         (np.zeros(0), r"anna\.wav: is empty"),
         (np.zeros(6 * RATE), r"anna\.wav: is silent"),
         (np.full(6 * RATE, np.nan), r"anna\.wav: expected finite samples"),
+        (1e30 * tone(6), r"anna\.wav: expected samples of at most 1e\+06 re full scale, got 3e\+29"),
         (tone(2), "talker 'anna': expected at least 5 s of speech without an enrolment clip, got 2.0 s"),
     ],
 )
 def test_useless_recording_is_refused_in_words(tmp_path, samples, message):
     write(tmp_path / "anna.wav", samples, subtype="FLOAT")
     with pytest.raises(ConfigError, match=message):
+        load_folder(tmp_path, RATE)
+
+
+def test_a_rate_that_no_recording_has_is_refused(tmp_path):
+    soundfile.write(tmp_path / "anna.wav", tone(6), 1_999_999_999)
+    with pytest.raises(ConfigError, match=r"anna\.wav: expected at most 192000 Hz, got 1999999999 Hz"):
         load_folder(tmp_path, RATE)
 
 

@@ -117,6 +117,7 @@ def broken(voice, index, value):
         (broken(talk(ANN, 4, seed=0), 7, np.nan), "expected finite samples, got 1"),
         (broken(talk(ANN, 4, seed=0), 7, np.inf), "expected finite samples, got 1"),
         (np.clip(talk(ANN, 4, seed=0), -0.1, 0.1), "clipped"),
+        (1e30 * talk(ANN, 4, seed=0), r"expected samples of at most 1e\+06 re full scale, got .*e\+29"),
         (np.zeros((2, 4 * RATE)), "one channel"),
     ],
 )
@@ -129,6 +130,12 @@ def test_what_cannot_be_enrolled_is_refused_with_the_reason(samples, says):
 def test_a_telephone_rate_is_refused_by_its_number(use):
     with pytest.raises(AudioError, match="expected a rate of at least 16000 Hz, got 8000 Hz"):
         use(talk(ANN, 4, seed=0), 8000)
+
+
+@pytest.mark.parametrize("use", [enrol, lambda voice, rate: enrol(talk(ANN, 4, seed=0), RATE).score(voice, rate)])
+def test_a_rate_that_no_recording_has_is_refused_by_its_number(use):
+    with pytest.raises(AudioError, match="expected a rate of at most 192000 Hz, got 1999999999 Hz"):
+        use(talk(ANN, 4, seed=0), 1_999_999_999)
 
 
 def test_numbers_that_are_not_finite_are_refused_when_scoring(ann):

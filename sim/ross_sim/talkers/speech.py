@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import soundfile
 
+from ross_payload.dsp.recording_limits import HIGHEST_PEAK, HIGHEST_RATE
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Samples
 
@@ -68,17 +69,21 @@ def read(path: Path, rate: int) -> Samples:
     Raises
     ------
     ConfigError
-        When it cannot be read, is empty or silent, or holds NaN.
+        When it cannot be read, is empty, silent, sampled above 192 kHz or louder than any sound, or holds NaN.
     """
     try:
         channels, original = soundfile.read(path, dtype="float64", always_2d=True)
     except (soundfile.LibsndfileError, OSError) as error:
         raise ConfigError(f"{path}: not a recording that can be read: {_reason(error)}") from error
+    if original > HIGHEST_RATE:
+        raise ConfigError(f"{path}: expected at most {HIGHEST_RATE} Hz, got {original} Hz")
     mono = channels.mean(axis=1)
     if not mono.size:
         raise ConfigError(f"{path}: is empty (0 s)")
     if not np.isfinite(mono).all():
         raise ConfigError(f"{path}: expected finite samples, got NaN or infinity")
+    if (peak := np.abs(mono).max()) > HIGHEST_PEAK:
+        raise ConfigError(f"{path}: expected samples of at most {HIGHEST_PEAK:g} re full scale, got {peak:.3g}")
     if math.sqrt(float(np.mean(mono**2))) < SILENCE:
         raise ConfigError(f"{path}: is silent")
     clipped = float(np.mean(np.abs(channels) >= 1 - 2**-15))
