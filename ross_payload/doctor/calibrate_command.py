@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ross_payload.option_types import Number, NumberRange
+
 if TYPE_CHECKING:
     from ross_payload.calibration.cross_spectrum import HeadingSpectrum
     from ross_payload.config import Config
@@ -20,15 +22,11 @@ actuator or a file that cannot be written, 130 stopped by the user."""
 
 @click.command("calibrate", short_help="Measure the array by turning: spacing, offset, gain, polarity.", epilog=EPILOG)
 @click.argument("config", type=click.Path(path_type=Path))
-@click.option("--azimuth", type=float, metavar="DEG", help="Where the sound is, in compass degrees; else no offset.")
-@click.option(
-    "--elevation", type=click.FloatRange(-80, 80), default=0.0, metavar="DEG", help="Of the sound; default 0."
-)
-@click.option("--turn", type=click.FloatRange(90, 360), default=360.0, metavar="DEG", help="How far; default 360.")
+@click.option("--azimuth", type=Number(), metavar="DEG", help="Where the sound is, in compass degrees; else no offset.")
+@click.option("--elevation", type=NumberRange(-80, 80), default=0.0, metavar="DEG", help="Of the sound; default 0.")
+@click.option("--turn", type=NumberRange(90, 360), default=360.0, metavar="DEG", help="How far; default 360.")
 @click.option("--headings", type=click.IntRange(6, 72), default=12, help="At which it listens; default 12.")
-@click.option(
-    "--listen", "seconds", type=click.FloatRange(0.6, 30), default=2.0, metavar="S", help="At each; default 2."
-)
+@click.option("--listen", "seconds", type=NumberRange(0.6, 30), default=2.0, metavar="S", help="At each; default 2.")
 @click.option("--home", is_flag=True, help="Have the actuator find or declare its zero first; it may turn.")
 @click.option("--session", type=click.Path(path_type=Path), help="Use a recorded session; nothing turns.")
 @click.option("--recording", type=click.Path(path_type=Path), help="Use an audio file; nothing turns. See --angles.")
@@ -55,8 +53,6 @@ def command(
     from ross_payload.doctor.calibration_session import Stopped
     from ross_payload.doctor.findings import print_finding
 
-    if azimuth is not None and not math.isfinite(azimuth):
-        raise click.UsageError(f"--azimuth: expected a number of degrees, got {azimuth}")
     settings = load(config)
     try:
         heard, earth = _heard(settings, **asked)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from ross_payload.option_types import Number
+
 EPILOG = """MIXTURE and TARGET are recorded with the array at one heading, each a file of two channels, microphone 1
 first. Angles are compass degrees, clockwise; they may count from north, from the payload's nose or from the array's
 axis, as long as all do. Exit codes: 0 done, 2 bad input, 1 the results could not be written."""
@@ -19,14 +21,17 @@ axis, as long as all do. Exit codes: 0 done, 2 bad input, 1 the results could no
     "azimuths",
     metavar="DEG",
     multiple=True,
-    type=float,
+    type=Number(),
     help="Of a source [deg, clockwise]; once per source.",
 )
 @click.option(
-    "--heading", metavar="DEG", type=float, help="Of the array's axis, microphone 1 to 2 [deg, clockwise]; default 0."
+    "--heading",
+    metavar="DEG",
+    type=Number(),
+    help="Of the array's axis, microphone 1 to 2 [deg, clockwise]; default 0.",
 )
 @click.option(
-    "--tdoa-us", "tdoas", metavar="US", multiple=True, type=float, help="Of a source [us], > 0: microphone 2 leads."
+    "--tdoa-us", "tdoas", metavar="US", multiple=True, type=Number(), help="Of a source [us], > 0: microphone 2 leads."
 )
 @click.option("--sources", type=click.IntRange(min=1, max=8), help="How many to look for when no direction is given.")
 @click.option("--separator", "-p", help="Separator, instead of the configuration's (auto).")

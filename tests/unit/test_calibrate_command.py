@@ -73,7 +73,7 @@ def test_a_known_azimuth_gives_the_offset(files, monkeypatch, capsys):
     ("more", "why"),
     [
         (("--session", "x"), "expected --session or --recording, got both"),
-        (("--azimuth", "nan"), "--azimuth: expected a number of degrees, got nan"),
+        (("--azimuth", "nan"), "Invalid value for '--azimuth': expected a finite number, got nan"),
         (("--turn", "30"), "30.0 is not in the range 90<=x<=360"),
     ],
 )

@@ -266,7 +266,7 @@ WRONG = {
     "expected only one of them": ["--azimuth", 10, "--sources", 2],
     "--heading: expected together with --azimuth": ["--heading", 10],
     "expected at most 146 us (d / v_p), got 400": ["--tdoa-us", 400],
-    "expected finite numbers": ["--azimuth", "nan"],
+    "expected a finite number, got nan": ["--azimuth", "nan"],
     "is unknown": ["--separator", "magic"],
     "cannot be read": ["--config", "nowhere.toml"],
 }

@@ -280,7 +280,7 @@ def _answers(port):
         (["nothing"], "'nothing': expected rtp://ADDRESS:PORT, a file or an http address that ends in .sdp, or tcp://"),
         (["rtp://:5004?codec=mp3"], "expected rtp://ADDRESS:PORT for Opus, or rtp://ADDRESS:PORT?codec=L16&rate=HZ"),
         (["rtp://127.0.0.1:0"], "'rtp://127.0.0.1:0': expected a port from 1 to 65535"),
-        (["rtp://:5004", "--delay", "nan"], "'--delay': expected a number, got nan"),
+        (["rtp://:5004", "--delay", "nan"], "'--delay': expected a finite number, got nan"),
         (["rtp://:5004", "--duration", "nan"], "'--duration': expected a number, got nan"),
         (["http://"], "http://: no session description: no host given"),
         (["rtp://239.1.2.3:5004"], "expected an address of this computer, got one of many"),

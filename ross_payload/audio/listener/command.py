@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import click
 
+from ross_payload.option_types import NumberRange
+
 LONGEST_DELAY_MS = 1000.0
-
-
-def _number(_context: click.Context, _parameter: click.Parameter, value: float | None) -> float | None:
-    """Refuse what no range refuses."""
-    if value is not None and math.isnan(value):
-        raise click.BadParameter("expected a number, got nan")
-    return value
 
 
 @click.command("listen", short_help="Play or save the audio that a payload streams.")
@@ -26,16 +20,14 @@ def _number(_context: click.Context, _parameter: click.Parameter, value: float |
 @click.option(
     "--delay",
     "delay_ms",
-    type=click.FloatRange(0, LONGEST_DELAY_MS),
+    type=NumberRange(0, LONGEST_DELAY_MS),
     default=0.0,
-    callback=_number,
     help="Playout delay [ms]; 0, the default: as short as the network allows.",
 )
 @click.option(
     "--duration",
-    type=click.FloatRange(0, min_open=True),
+    type=NumberRange(0, min_open=True, infinite=True),
     metavar="S",
-    callback=_number,
     help="Stop after this many seconds.",
 )
 @click.option("--wait", "waits", is_flag=True, help="Keep waiting when the sender stops or is silent (RTP only).")

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from ross_payload.option_types import NumberRange
+
 DEFAULT_URL = "udpin:127.0.0.1:14550"
 SYSTEM_ID = click.IntRange(1, 255)
 EPILOG = "Exit codes: 0 ended by the user, or --once printed the state; 2 bad input, or no telemetry."
@@ -18,7 +20,7 @@ EPILOG = "Exit codes: 0 ended by the user, or --once printed the state; 2 bad in
 @click.option("--once", is_flag=True, help="Print the state once and exit.")
 @click.option(
     "--wait",
-    type=click.FloatRange(0.1),
+    type=NumberRange(0.1, infinite=True),
     default=10.0,
     show_default=True,
     help="How long --once waits for telemetry [s].",

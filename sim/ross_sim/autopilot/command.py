@@ -9,6 +9,8 @@ from datetime import UTC, datetime
 
 import click
 
+from ross_payload.option_types import Number, NumberRange
+
 EPILOG = """URLs are udpin:host:port, udpout:host:port, tcp:host:port, tcpin:host:port or serial:device:baud. Ctrl-C or
 SIGTERM ends it."""
 PERIOD = 0.002  # [s] between two looks at the links
@@ -22,14 +24,14 @@ PERIOD = 0.002  # [s] between two looks at the links
 @click.option(
     "--yaw",
     "yaw_deg",
-    type=float,
+    type=Number(),
     default=0.0,
     show_default=True,
     help="Clockwise from north [deg].",
 )
-@click.option("--amplitude", "amplitude_deg", type=click.FloatRange(0, 180), default=0.0, show_default=True,
+@click.option("--amplitude", "amplitude_deg", type=NumberRange(0, 180), default=0.0, show_default=True,
               help="Oscillate in yaw by this much to either side [deg].")  # fmt: skip
-@click.option("--rate", "rate_deg_s", type=click.FloatRange(0, 360, min_open=True), default=10.0, show_default=True,
+@click.option("--rate", "rate_deg_s", type=NumberRange(0, 360, min_open=True), default=10.0, show_default=True,
               help="Yaw rate of the oscillation [deg/s].")  # fmt: skip
 @click.option("--gps", is_flag=True, help="Send the UNIX time.")
 @click.option("--gimbal", "with_gimbal", is_flag=True, help="Add a simulated gimbal and be its gimbal manager.")

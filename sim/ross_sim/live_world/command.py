@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from ross_payload.option_types import NumberRange
 from ross_sim.sitl.command import named_folder
 
 NO_CHANGES = dict.fromkeys(("paper", "separator", "urls", "informed", "target"))
@@ -23,7 +24,7 @@ input, 1 the results could not be written. Port 0: any free port."""
 @click.option("--actuator", "-a", help="Actuator back end, instead of the scenario's.")
 @click.option("--start", type=click.Choice(["connect", "now"]), default="connect", show_default=True,
               help="When the scenario begins: with the first listener of --pcm, else of --wire; or now.")  # fmt: skip
-@click.option("--quiet", type=click.FloatRange(0, 600), default=0.0, help="Only noise before the scenario [s].")
+@click.option("--quiet", type=NumberRange(0, 600), default=0.0, help="Only noise before the scenario [s].")
 @click.option("--seed", type=click.IntRange(min=0), help="Seed of everything random.")
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of recordings; default: synthetic voices.")
 @click.option("--enrolment", type=click.Path(path_type=Path), help="Write clean speech of the target to this WAV file.")
