@@ -29,7 +29,8 @@ from ross_payload.interfaces import Capabilities, Clock, Samples, Services
 
 Check = Callable[[Config, Machine], Iterator[Finding]]
 SPACING_TOLERANCE = 0.05  # share by which a spacing may differ from that of a known array: 3 deg off at 20 deg
-LISTENING_S = 4.0  # the slowest judgement of the microphones takes three
+LISTENING_S = 4.0
+LEAST_S = 3.0  # of that: the slowest judgement of the microphones takes so long
 CHECK_WIRING = (
     "check the cable and audio.channels: `ross devices --tap`; some firmwares of arrays give zeros:"
     " docs/how-to/microphones"
@@ -57,6 +58,11 @@ def microphones(config: Config, clock: Clock) -> Iterator[Finding]:
         health, samples = measured(config, clock)
     except RossError as error:
         yield fail("microphones", str(error), "`ross devices` lists what there is; is ross.service using them?")
+        return
+    heard_s = samples.shape[1] / config.audio.rate_hz
+    if heard_s < LEAST_S:
+        expected = f"expected {LISTENING_S:g} s of audio, got {heard_s:.1f} s"
+        yield fail("microphones", expected, "name a source that lasts longer: `ross devices` lists what there is")
         return
     found = [TROUBLES[each] for each in TROUBLES if each in health.trouble]
     for verdict, text, todo in found:

@@ -93,6 +93,14 @@ def test_two_microphones_that_hear_are_well(tmp_path):
     assert "levels -20 and -20 dB" in text
 
 
+@pytest.mark.parametrize("seconds", [0.0, 1.0, 2.9])
+def test_microphones_of_which_little_was_heard_are_not_judged(tmp_path, seconds):
+    n = round(seconds * 16000)
+    verdict, text = recording(tmp_path, noise(1)[:n], noise(2)[:n])
+    assert verdict is Verdict.FAIL
+    assert text.startswith(f"expected 4 s of audio, got {seconds} s")
+
+
 def test_a_dead_microphone_is_named(tmp_path):
     verdict, text = recording(tmp_path, noise(1), np.zeros(16000 * 5))
     assert verdict is Verdict.FAIL
