@@ -86,6 +86,34 @@ def test_a_source_that_is_opened_again_goes_on_in_time(sender):
     assert (later.timestamp - after[-1].timestamp) % 2**32 == 6 * PACKET, "what was left out since is a pause"
 
 
+CLICKS = np.zeros(4 * RATE, np.float32)
+CLICKS[RATE // 20 :: RATE // 10] = 0.8  # every 0.1 s
+CLICKS[2 * RATE - 8] = 0.8  # the resampler holds it when the pause begins
+CLICKS = np.convolve(CLICKS, np.hanning(33), "same").astype(np.float32)  # 2 ms each
+
+
+@pytest.mark.parametrize("rate", [8000, 44100, 48000])
+def test_at_another_rate_sound_keeps_its_time_after_a_pause(rate):
+    """What the resampler holds of the sound before a pause is no part of that after it."""
+    media = Media.of("L16", rate)
+    sender, heard = RtpSender(RATE, media, 48000), np.zeros(4 * rate + media.packet)
+    blocks = [begin for begin in range(0, len(CLICKS), 256) if not 2 * RATE <= begin < 2.4 * RATE]
+    packets = [
+        RtpPacket.parse(packet)
+        for begin in blocks
+        for packet in sender.packets(VoiceBlock(CLICKS[begin : begin + 256], begin, begin / RATE))
+    ]
+    last = 0
+    for packet in packets:
+        place = (packet.timestamp - packets[0].timestamp) % 2**32
+        assert place >= last, "no packet covers another"
+        last = place + media.packet
+        heard[place:last] = np.frombuffer(packet.payload, ">i2") / 32767
+    for moment in (*np.arange(0.05, 1.9, 0.1), 2.0 - 8 / RATE, *np.arange(2.45, 3.9, 0.1)):
+        around = heard[round((moment - 0.02) * rate) : round((moment + 0.02) * rate)]
+        assert abs(int(around.argmax()) - 0.02 * rate) <= 2 * max(1, rate / RATE), f"the click at {moment:.2f} s"
+
+
 def test_the_receiver_tells_what_it_lost_and_which_report_it_answers(sender):
     receiver = RtpReceiver(L16, 0.05)
     packets = sent(sender, 60)

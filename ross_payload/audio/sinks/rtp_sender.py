@@ -88,10 +88,8 @@ class RtpSender:
 
     def __init__(self, rate: int, media: Media, bit_rate: int) -> None:
         self.media = media
-        self._resampler: av.AudioResampler | None = None
-        if media.rate != rate:
-            self._resampler = av.AudioResampler("flt", "mono", media.rate)
         self._rate = rate
+        self._resampler = self._new_resampler()
         self._encoder: Encoder = _Opus(media.rate, bit_rate) if media.codec == OPUS else _L16()
         self._ratio = media.clock // media.rate  # ticks of a sample
         self._ssrc, self._sequence = secrets.randbits(32), secrets.randbits(15)
@@ -133,7 +131,15 @@ class RtpSender:
             marker = False
 
     def _flush(self) -> Iterator[bytes]:
-        """Return what waits as a packet, with silence behind it."""
+        """Return what waits in packets, with silence behind it; the next samples begin anew."""
+        if self._resampler is not None and self._next is not None:
+            held = _joined(self._resampler.resample(None))  # by its filter, from before the pause
+            end = round(self._next * self.media.rate / self._rate)
+            self._waiting = np.concatenate([self._waiting, held])[: max(end - self._first, 0)]
+            self._resampler = self._new_resampler()
+        while len(self._waiting) > self.media.packet:
+            yield self._packet(self._waiting[: self.media.packet], False)
+            self._waiting = self._waiting[self.media.packet :]
         if len(self._waiting):
             yield self._packet(np.pad(self._waiting, (0, self.media.packet - len(self._waiting))), False)
         self._waiting = self._waiting[:0]
@@ -160,13 +166,15 @@ class RtpSender:
     def _timestamp(self, index: int) -> int:
         return (self._offset + index * self._ratio) % 2**32
 
+    def _new_resampler(self) -> av.AudioResampler | None:
+        return av.AudioResampler("flt", "mono", self.media.rate) if self.media.rate != self._rate else None
+
     def _resampled(self, samples: Samples) -> Samples:
         if self._resampler is None:
             return samples
         frame = av.AudioFrame.from_ndarray(samples[None].astype(np.float32), "flt", "mono")
         frame.sample_rate = self._rate
-        parts = [each.to_ndarray()[0] for each in self._resampler.resample(frame)]
-        return np.concatenate([np.zeros(0, np.float32), *parts])
+        return _joined(self._resampler.resample(frame))
 
     # ------------------------------------------------------------------------------------------- reports
 
@@ -217,3 +225,8 @@ class RtpSender:
 
     def _description(self) -> bytes:
         return bytes(RtcpSdesPacket([RtcpSourceInfo(self._ssrc, [(CNAME, self._name)])]))
+
+
+def _joined(frames: list[av.AudioFrame]) -> Samples:
+    """Return the samples of frames of one channel, (n,)."""
+    return np.concatenate([np.zeros(0, np.float32), *(each.to_ndarray()[0] for each in frames)])
