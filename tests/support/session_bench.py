@@ -111,7 +111,7 @@ class Bench:
         begin, self.moving = self.joint, max(self.moving - 1, 0)
         if not self.moving:
             self.joint = self.goal
-        samples = np.full((2, HOP), 0.1, np.float32)
+        samples = np.tile(np.float32([0.1, -0.1]), (2, HOP // 2))
         block = AudioBlock(samples, self.hops * HOP, self.hops * HOP / RATE)
         self.hops += 1
         heard = Input(
