@@ -203,6 +203,20 @@ def test_closing_after_the_payload_was_held_up_brakes_from_where_it_stands(rig: 
     assert abs(rig.far_end.angle() - here) <= room
 
 
+@pytest.mark.parametrize("period", [0.04, *in_soak(0.06)])
+def test_a_move_takes_no_longer_when_polls_come_late(rig: Rig, kind: str, period: float) -> None:
+    """A computer that is always a little late shall not make a move slower than the guard waits for."""
+    if LONGEST_PAUSE.get(kind, 1.0) < period:
+        return  # its edges run out, which is a fault: `test_tb6600`
+    rig.actuator.command(1.5, 0.5)
+    began = rig.clock.now()
+    while not rig.state.settled:
+        rig.pause(period - QUANTUM)
+        rig.clock.sleep(QUANTUM)
+        assert rig.clock.now() < began + 3.0 + 0.5 / ACCELERATION + rig.lag + 1.0, rig.state
+    assert rig.far_end.angle() == pytest.approx(1.5, abs=rig.tolerance)
+
+
 def begin_a_move_and_pause(rig: Rig, pause: float) -> None:
     rig.actuator.command(rig.upper - 0.2)
     rig.clock.sleep(0.8)

@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from examples import examples
+from rigs import rig_of
 from ross_payload.actuators.tb6600.pulse_segments import PulseLine
-from ross_payload.errors import ActuatorFault, ConfigError, NotHomed
+from ross_payload.errors import ActuatorFault, ConfigError, LinkError, NotHomed
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
 from tb6600_bench import Bench
@@ -226,3 +227,19 @@ def _keeps_its_distances(edges: np.ndarray, microsteps: int) -> None:
     same = np.searchsorted(turns, rises[1:]) == np.searchsorted(turns, rises[:-1])
     fastest = 1.8 / microsteps / 225
     assert np.all(np.diff(rises)[same] >= fastest * (1 - 1e-4) - 1e-9)
+
+
+def test_a_wire_that_fails_while_it_is_closed_does_not_play_the_turn_to_its_end() -> None:
+    rig = rig_of("tb6600").open()
+    rig.actuator.command(3.0)
+    rig.clock.sleep(0.8)
+    here = rig.far_end.angle()
+    rig.held_up = True
+
+    def fails() -> list[Any]:
+        raise LinkError("/dev/gpiochip0: bad handle")
+
+    rig.wire.receive = fails  # type: ignore[method-assign]
+    rig.actuator.__exit__(None, None, None)
+    rig.clock.sleep(5.0)
+    assert rig.far_end.angle() - here < math.radians(60)

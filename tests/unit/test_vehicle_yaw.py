@@ -413,6 +413,70 @@ def test_no_turn_begins_before_the_autopilot_holds_its_yaw(lost):
     assert bench.yaw_deg == pytest.approx(begin + 10.0, abs=1.0)
 
 
+def test_nor_does_the_second_turn_of_a_task():
+    bench = Bench()
+    bench.turn(30.0)
+    bench.far_end.lost, began = 3, bench.clock.now()
+    bench.turn(-30.0)
+    assert bench.orders(began)[0] == "stop"  # what was asked for first, at last
+
+
+@pytest.mark.parametrize("kind", ["ardupilot", "hold"])
+@pytest.mark.parametrize("pushed", [0.3, 1.0])
+def test_a_vehicle_at_rest_in_a_task_is_left_where_its_pilot_has_yawed_it_while_the_payload_was_held_up(kind, pushed):
+    """Nor is a PX4 sent back to the height at which the turn before had begun."""
+    bench = Bench(kind)
+    bench.turn(30.0)
+    bench.cancel()
+    mode = bench.modes.mode
+    bench.far_end.autopilot.fly_by_hand(bench.clock.now())
+    bench.far_end.push(400)
+    bench.clock.sleep(pushed)
+    bench.far_end.push(0)
+    bench.clock.sleep(1.0)
+    if kind == "hold":
+        bench.modes.altitude = 130.0
+    bench.modes.enter(mode, bench.clock.now())
+    bench.clock.sleep(0.5)
+    here = bench.yaw_deg
+    bench.clock.every(QUANTUM, lambda: bench.actuator.poll(bench.clock.now()))
+    bench.clock.sleep(4.0)
+    assert bench.yaw_deg == pytest.approx(here, abs=3.0)
+    assert kind != "hold" or bench.modes.altitude == 130.0
+
+
+@pytest.mark.parametrize("kind", ["ardupilot", "hold"])
+@pytest.mark.parametrize("fault", [Fault.MODE, Fault.DISARMED])
+def test_closing_orders_nothing_of_a_vehicle_that_is_its_pilots_by_then(kind, fault):
+    bench = Bench(kind)
+    bench.actuator.command(math.radians(150))
+    bench.clock.sleep(1.0)
+    bench.cancel()
+    bench.far_end.afflict(fault)
+    bench.clock.sleep(1.5)  # PX4 tells once a second whether it is armed
+    sent = len(bench.far_end.orders)
+    bench.actuator.__exit__(None, None, None)
+    bench.clock.sleep(1.0)
+    assert bench.far_end.orders[sent:] == []
+
+
+def test_a_turn_that_a_pilot_has_ended_meanwhile_brings_no_px4_back_to_the_old_height():
+    bench = Bench("hold")
+    bench.actuator.command(math.radians(150))
+    bench.clock.sleep(1.5)
+    bench.cancel()
+    mode = bench.modes.mode
+    bench.far_end.autopilot.fly_by_hand(bench.clock.now())
+    bench.clock.sleep(1.0)
+    bench.modes.altitude = 130.0
+    bench.modes.enter(mode, bench.clock.now())
+    bench.clock.sleep(0.5)
+    bench.clock.every(QUANTUM, lambda: bench.actuator.poll(bench.clock.now()))
+    bench.clock.sleep(3.0)
+    assert "the flight mode is Position" in bench.state.fault or bench.state.healthy
+    assert bench.modes.altitude == 130.0
+
+
 def test_an_autopilot_that_acknowledges_nothing_is_turned_nowhere():
     bench = yawed_by_hand()
     begin = bench.yaw_deg

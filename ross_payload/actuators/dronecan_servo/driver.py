@@ -24,6 +24,7 @@ from ross_payload.errors import LinkError
 from ross_payload.interfaces import ActuatorState, Clock, Feedback, Port
 
 SET_POINT_PERIOD_S = 0.020  # [s] between two set-points
+PACE_DECAY = 0.8  # from one set-point to the next, of a pace that was slower
 SET_POINT_GAP_S = 5 * SET_POINT_PERIOD_S  # without a set-point, and the servo has come to rest at the last one [s]
 
 
@@ -44,6 +45,7 @@ class DronecanServo(Driver):
         self._noise = PositionNoise()
         self._behind = 0  # reports in a row that were too far behind
         self._due = -math.inf  # the next set-point [s]
+        self._pace = SET_POINT_PERIOD_S  # in which set-points come lately [s]
         self._fault = ""
         self.capabilities = capabilities_of(options, options.resolution, Feedback(options.feedback))
 
@@ -94,6 +96,7 @@ class DronecanServo(Driver):
 
     def leave(self, clock: Clock) -> Iterator[None]:
         """Decelerate along the trapezoid, which takes its time."""
+        self._go_on(clock.now())
         self.obey(Request.HALT, clock.now())
         yield
         while self._motion is not None and clock.now() <= self._motion.end + SET_POINT_PERIOD_S:
@@ -122,7 +125,9 @@ class DronecanServo(Driver):
         """Latch that the servo does not follow, and hold where it is; one report alone may be a stranger's."""
         if self._motion is None or self._fault:
             return
-        wanted = self._motion.at(now)[0]
+        ahead = self._motion.at(now + self._pace - SET_POINT_PERIOD_S)[0]  # it may be where it was told to be already
+        low, high = sorted((self._motion.at(now)[0], ahead))
+        wanted = min(max(joint, low), high)
         behind = abs(joint - wanted) > math.radians(self._options.max_lag_deg)
         self._behind = self._behind + 1 if behind else 0
         if self._behind >= 2:
@@ -146,20 +151,23 @@ class DronecanServo(Driver):
         )
         self._turning = True
         if not velocity:
-            self._due = min(self._due, now)  # at once
+            self._due = now  # at once
+            self._pace = SET_POINT_PERIOD_S
 
     def _go_on(self, now: float) -> None:
         """Begin anew after a gap in the set-points, in which the servo has come to rest at the last one.
 
         A turn goes on to its goal; what was to brake stays. A short delay delays the plan.
         """
-        motion, late = self._motion, now - self._due
-        if motion is None or late <= SET_POINT_PERIOD_S / 2 + TIME_TOLERANCE_S or motion.end <= self._due:
+        motion, led_until = self._motion, self._due - SET_POINT_PERIOD_S + self._pace
+        late = now - led_until
+        if motion is None or late <= SET_POINT_PERIOD_S / 2 + TIME_TOLERANCE_S or motion.end <= led_until:
             return
         if late <= SET_POINT_GAP_S:
             self._motion = Motion(motion.plan, motion.begin + late)
             return
-        there, plan = motion.at(self._due + self._lag)[0], motion.plan
+        there, plan = motion.at(led_until + self._lag)[0], motion.plan
+        self._due, self._pace = now, SET_POINT_PERIOD_S
         if self._turning:
             self._motion = Motion(Trapezoid(there, plan.goal, plan.speed, plan.acceleration), now)
         else:
@@ -192,8 +200,10 @@ class DronecanServo(Driver):
     def write(self, now: float) -> None:
         """Send the set-point that is due."""
         if self._motion is not None and now >= self._due - TIME_TOLERANCE_S:
+            gap = min(now - self._due + SET_POINT_PERIOD_S, SET_POINT_GAP_S)
+            self._pace = max(SET_POINT_PERIOD_S, gap, PACE_DECAY * self._pace)
             self._due = (self._due if now - self._due < SET_POINT_PERIOD_S else now) + SET_POINT_PERIOD_S
-            ahead = SET_POINT_PERIOD_S + self._lag  # where it should be when the next one comes, had it no lag
+            ahead = self._pace + self._lag  # where it should be when the next one comes, had it no lag
             self._client.command(self._motion.at(now + ahead)[0])
 
     def snapshot(self, now: float) -> ActuatorState:

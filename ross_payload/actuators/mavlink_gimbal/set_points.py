@@ -11,6 +11,7 @@ from ross_payload.interfaces import Capabilities
 
 SET_POINT_PERIOD_S = 0.02  # between set-points [s]
 PAUSE_S = 0.25  # longer without the next set-point, and what follows them has come to rest at the last one [s]
+SLOWEST_S, PACE_DECAY = 0.1, 0.8  # of the pace that a plan keeps to [s]; of a slower one from one set-point to the next
 ROUNDING_S = 1e-9  # [s], of rounding
 STILL_RAD_S = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
 
@@ -38,6 +39,7 @@ class SetPoints:
         self._turning = False  # the motion leads to a goal; else it brakes, or stays
         self.braking: Motion | None = None
         self.sent = -math.inf  # when the last set-point went out [s]
+        self._pace = ahead  # in which set-points go out lately [s]
         self.restless = math.inf  # when the gimbal was last seen away from its goal [s]
 
     def turn(self, move: Move, position: float, velocity: float, now: float) -> None:
@@ -97,7 +99,7 @@ class SetPoints:
         if motion is None:
             return 0.0
         last = max(self.sent, motion.begin)
-        late = now - last - self.ahead
+        late = now - last - max(self.ahead, self._pace)
         return late if late > self.ahead / 2 + ROUNDING_S and motion.end > last else 0.0
 
     def brake(self, seen: GimbalFeedback, now: float) -> None:
@@ -110,9 +112,11 @@ class SetPoints:
         """Return the set-point that is due [rad]: where it should be when the next one comes; None: not yet."""
         if now - self.sent < period - ROUNDING_S:
             return None
+        gap = min(now - max(self.sent, motion.begin), SLOWEST_S)
+        self._pace = max(self.ahead, gap, PACE_DECAY * self._pace)
         self.sent = now
         begin = motion.plan.start  # from beyond the travel it may come back, and nothing goes farther
-        return min(max(motion.at(now + self.ahead)[0], min(self._able.lower, begin)), max(self._able.upper, begin))
+        return min(max(motion.at(now + self._pace)[0], min(self._able.lower, begin)), max(self._able.upper, begin))
 
     def rest(self, seen: GimbalFeedback, resolution: float, now: float) -> tuple[float, float]:
         """Return the rate [rad/s], 0 while it only trembles, and for how long it has rested where it should be [s]."""
@@ -140,4 +144,4 @@ class SetPoints:
     def _go(self, plan: Trapezoid, now: float) -> None:
         self.motion, self.restless, self._turning = Motion(plan, now), now, False
         if not plan.velocity:  # a gimbal that follows set-points would see a jump in their rhythm as one of speed
-            self.sent = -math.inf
+            self.sent, self._pace = -math.inf, self.ahead

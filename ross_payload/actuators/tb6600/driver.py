@@ -102,9 +102,11 @@ class Tb6600(Driver):
 
     def leave(self, clock: Clock) -> tuple[()]:
         """Plan the deceleration; the torque stays, so that nothing falls."""
-        self.read(clock.now())
-        self._search.end()
-        self._halt(clock.now())
+        try:
+            self.read(clock.now())
+        finally:  # also when the wire fails: what is handed over would be played to its end
+            self._search.end()
+            self._halt(clock.now())
         return ()
 
     def close(self) -> None:

@@ -120,11 +120,12 @@ class VehicleYaw(Driver):
         if commands is None:
             return
         commands.look(now)
-        why = (self._fault or self._objection_heard or self._objection(now)) if self._matters else ""
-        self._ended = self._objection_heard = ""
+        heard, self._objection_heard = self._objection_heard, ""
+        why = (self._fault or heard or self._objection(now)) if self._matters else ""
+        self._ended = ""
         if why:
             self._ended = why if self._turning or self._pending is not None else ""
-            self._yield(commands, now)
+            self._yield(commands, now, told=bool(heard) and not commands.confirmed)
         if self._pending is not None and not self._ignorance(now):
             self._begin(self._pending, commands, now)
         if self._pending is None:
@@ -152,6 +153,8 @@ class VehicleYaw(Driver):
         """Leave the yaw to the autopilot: a turn that is under way ends, unless nobody knows where to end it."""
         now, commands = clock.now(), self._commands
         self.read(now)
+        if self._objection_heard or self._watch.objection():  # it is the pilot's by now
+            self._plan.motion = None
         known = now - self._feedback.time <= FRESH_S or (commands is not None and commands.confirmed)
         if self._plan.motion is not None and not self._settled and known:
             self._stop(now)
@@ -169,7 +172,7 @@ class VehicleYaw(Driver):
     def _on_packet(self, received: ReceivedPacket, now: float) -> None:
         packet, self._us = received.packet, received.us
         self._watch.on_packet(packet, now)
-        if self._turning:
+        if self._matters:
             self._objection_heard = self._objection_heard or self._watch.objection()
         if self._commands is None and packet.name == "HEARTBEAT":
             self._commands = commands_of(self._watch)
@@ -199,7 +202,8 @@ class VehicleYaw(Driver):
 
     def _begin(self, move: Move, commands: YawCommands, now: float) -> None:
         """Go to a goal from where the plan is, or the vehicle if there is none."""
-        motion = None if self._stopping > -math.inf or self._settled else self._plan.motion
+        anew = self._stopping > -math.inf or self._settled or self._asked_at > -math.inf
+        motion = None if anew else self._plan.motion
         if motion is None and not self._prepared(commands, now):
             return
         self._pending, self._yielded, self._turning = None, False, True
@@ -296,8 +300,11 @@ class VehicleYaw(Driver):
             self._stopping = now
             self._send(commands.stop(motion.plan.goal, now))
 
-    def _yield(self, commands: YawCommands, now: float) -> None:
-        """End a turn: in another mode it has ended by itself; else the autopilot is told once that it has."""
+    def _yield(self, commands: YawCommands, now: float, *, told: bool = False) -> None:
+        """End a turn: in another mode it has ended by itself; else the autopilot is told once that it has.
+
+        Unless somebody has ``told`` it something else meanwhile: an order to PX4 would bring back the old height, too.
+        """
         self._pending = None
         if self._yielded:
             return
@@ -307,7 +314,7 @@ class VehicleYaw(Driver):
         if motion is None:
             return
         self._brake(now)
-        if not settled and self._watch.armed and self._watch.mode == self._watch.wanted_mode:
+        if not (settled or told) and self._watch.armed and self._watch.mode == self._watch.wanted_mode:
             self._send(commands.stop(self._plan.motion.plan.goal if self._plan.motion else motion.plan.goal, now))
         if not commands.streams:
             self._plan.motion = None
