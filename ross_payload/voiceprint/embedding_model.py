@@ -11,6 +11,7 @@ scores).
 from __future__ import annotations
 
 import hashlib
+import os
 from typing import Any
 
 import numpy as np
@@ -110,6 +111,14 @@ def filter_banks(samples: Real) -> Real:
     return np.asarray(frames - frames.mean(axis=0))
 
 
+def _onnxruntime() -> Any:
+    """Import onnxruntime without its telemetry to Microsoft, which begins with the import; a user may allow it."""
+    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
+    import onnxruntime  # noqa: PLC0415  of the extra `voice`
+
+    return onnxruntime
+
+
 def _opened(content: bytes, name: str) -> tuple[Any, str, int]:
     """Open a network and check that it is one of speakers; returns it, the name of its input and how many numbers.
 
@@ -117,7 +126,8 @@ def _opened(content: bytes, name: str) -> tuple[Any, str, int]:
     """
     try:
         import kaldi_native_fbank  # noqa: F401, PLC0415
-        import onnxruntime  # noqa: PLC0415
+
+        onnxruntime = _onnxruntime()
     except ModuleNotFoundError as error:
         raise ConfigError(f"{name}: needs the package {error.name}: {install_line('voice')}") from error
     options = onnxruntime.SessionOptions()

@@ -1,6 +1,9 @@
 """Networks that a user adds to compare voices."""
 
 import json
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -68,6 +71,18 @@ def test_no_file_outside_the_folder_is_removed(folder, file, tmp_path, place):
         folder.remove(place.format(away=away))
     assert [path.read_text() for path in own] == 2 * ["the user's own"]
     assert folder.names() == ("small",)
+
+
+def test_a_network_is_run_without_telemetry(file, tmp_path):
+    home, code = (
+        tmp_path / "home",
+        f"from ross_payload.voiceprint import model_folder as m; m.ModelFolder.default().add(m.Path({str(file)!r}))",
+    )
+    home.mkdir()
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("XDG_", "ORT_"))}
+    subprocess.run([sys.executable, "-c", code], env=environment | {"HOME": str(home)}, check=True, timeout=60)
+    assert [path.name for path in home.iterdir()] == [".local"]
+    assert [path.name for path in (home / ".local" / "share").iterdir()] == ["ross"]
 
 
 def test_of_several_networks_one_has_to_be_chosen(folder, file, tmp_path):
