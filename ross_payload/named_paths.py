@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from ross_payload.errors import ConfigError
@@ -30,3 +31,12 @@ def expanded(named: str) -> Path:
         return Path(named).expanduser()
     except RuntimeError as error:
         raise ConfigError(f"expected a path, got {named!r}: no such user") from error
+
+
+def nearest_there(folder: Path) -> Path:
+    """Return a folder, or the nearest of those above it that is there: where it would have to be made.
+
+    >>> nearest_there(Path("/nobody-has-this/recordings"))
+    PosixPath('/')
+    """
+    return next((path for path in (folder, *folder.absolute().parents) if os.path.lexists(path)), Path("/"))

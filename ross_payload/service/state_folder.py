@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ross_payload.errors import ConfigError
-from ross_payload.named_paths import expanded
+from ross_payload.named_paths import expanded, nearest_there
 
 if TYPE_CHECKING:  # `ross health` does without it
     from ross_payload.config import Config
@@ -57,7 +57,7 @@ def check_state_folder(config: Config) -> None:
         When a file is in its way, or its parents may not be written.
     """
     folder = state_path(config)
-    there = next((path for path in (folder, *folder.absolute().parents) if os.path.lexists(path)), Path("/"))
+    there = nearest_there(folder)
     if not there.is_dir():
         raise _unmade(folder, errno.EEXIST if there == folder else errno.ENOTDIR)
     if there != folder and not os.access(there, os.W_OK | os.X_OK):

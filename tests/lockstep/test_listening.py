@@ -105,7 +105,7 @@ def test_streams_of_a_scenario_are_served_too(fly, tmp_path):
     ("name", "said"),
     [
         ("heard.mp3", "--listen: path: expected a name that ends in .flac or .wav, got 'heard.mp3'"),
-        ("listened.toml/heard.flac", "listened.toml/heard.flac: cannot be written: File exists"),
+        ("listened.toml/heard.flac", "listened.toml/heard.flac: cannot be written: Not a directory"),
         ("/proc/heard.flac", "--listen /proc/heard.flac: cannot be written: No such file or directory"),
     ],
 )
@@ -115,3 +115,15 @@ def test_a_file_that_cannot_be_is_told_before_anything_is_simulated(run, scenari
     assert errors.strip().startswith("ross: ")
     assert errors.strip().endswith(said)
     assert len(errors.strip().splitlines()) == 1
+
+
+def test_a_file_that_is_there_is_refused_and_nothing_is_touched(run, scenario, tmp_path):
+    (tmp_path / "heard.flac").write_text("precious")
+    before = sorted(tmp_path.iterdir())
+    code, out, errors = run("sitl", "--scenario", scenario, "--listen", tmp_path / "heard.flac")
+    assert (code, out) == (2, "")
+    assert errors == f"ross: --listen: {tmp_path}/heard.flac is there already\n"
+    new = tmp_path / "new" / "heard.flac"
+    assert run("sitl", "--scenario", scenario, "--listen", new, "--target", "nobody")[0] == 2
+    assert (tmp_path / "heard.flac").read_text() == "precious"
+    assert sorted(tmp_path.iterdir()) == before

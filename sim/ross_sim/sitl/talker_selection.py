@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ from ross_payload.audio.sinks import checked_options
 from ross_payload.config import Informed, Link, Listening, Stream, as_in_paper, validated
 from ross_payload.errors import ConfigError, refused_as, unknown
 from ross_payload.interfaces import VoicePrint
+from ross_payload.named_paths import nearest_there
 from ross_payload.voiceprint import BuiltInModel, EmbeddingPrint, VoiceModel, VoiceStore, enrol
 from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_sim.scenario import Scenario, load
@@ -54,18 +56,18 @@ def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
 
 
 def listening_into(path: Path, listening: Listening) -> Listening:
-    """Have the target's voice written into a file, which takes the place of an earlier one.
+    """Have the target's voice written into a new file; its folder is made when it begins.
 
     Raises
     ------
     ConfigError
-        When its name is not that of a track, or the folder cannot be made or written to, or the earlier file removed.
+        When its name is not that of a track, it is there already, or its folder cannot be made or written to.
     """
     checked_options("file", {"path": str(path)}, "--listen")
     with refused_as(ConfigError, f"--listen {path}: cannot be written"):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.unlink(missing_ok=True)
-        TemporaryFile(dir=path.parent).close()  # what cannot be written is told before all is simulated
+        TemporaryFile(dir=nearest_there(path.parent)).close()  # what cannot be is told before all is simulated
+    if os.path.lexists(path):
+        raise ConfigError(f"--listen: {path} is there already")
     stream = Stream(sink="file", options={"path": str(path) if path.parent != Path() else f"./{path}"})
     changed: Listening = _with(listening, streams=(*listening.streams, stream))
     return changed
