@@ -68,9 +68,12 @@ def config() -> None:
 def check(file: Path) -> None:
     """Check a payload's TOML FILE: what `ross run` refuses before it opens a device is refused in the same words."""
     from ross_payload.service.check import loaded
+    from ross_payload.service.state_folder import recording_path, unusable_recordings
 
-    loaded(file)
+    why = unusable_recordings(recording_path(loaded(file)))
     click.echo(f"{file}: good")
+    if why:  # it may be there in flight: a stick that is not plugged in, another computer
+        click.echo(f"note: {why}; nothing would be recorded")
 
 
 @config.command("show")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from pathlib import Path
 
 from ross_payload.config import Config
 from ross_payload.doctor.findings import Finding, fail, ok, warn
 from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ConfigError
-from ross_payload.service.state_folder import recording_path, state_path
+from ross_payload.named_paths import nearest_there
+from ross_payload.service.state_folder import recording_path, state_path, unusable_recordings
 from ross_payload.voiceprint import VoiceStore
 from ross_payload.voiceprint.model_folder import ModelFolder
 
@@ -89,7 +89,7 @@ def power(config: Config, machine: Machine) -> Iterator[Finding]:
 def state(config: Config, machine: Machine) -> Iterator[Finding]:
     """Whether parameters that are set in flight can be kept."""
     folder = state_path(config, machine.environment)
-    there = _nearest(machine.path(folder))
+    there = nearest_there(machine.path(folder))
     if machine.may_use(there):
         yield ok("state", f"{folder} can be written")
     else:
@@ -101,10 +101,11 @@ def recordings(config: Config, machine: Machine) -> Iterator[Finding]:
     """Whether sessions can be recorded, have room, and are read by nobody else."""
     wanted, folder = config.recording, recording_path(config, machine.environment)
     path = machine.path(folder)
-    there = _nearest(path)
-    if not machine.may_use(there):
+    there, why = nearest_there(path), unusable_recordings(folder, path)
+    if why or not machine.may_use(there):
         say = fail if wanted.always else warn
-        yield say("recording", f"{folder} cannot be written by this user", "choose another recording.folder")
+        found = why or f"recording.folder: {folder} cannot be written by this user"
+        yield say("recording", found, "choose another recording.folder, or let this user use it")
         return
     if path.exists() and path.stat().st_mode & PRIVATE:
         yield warn("recording", f"{folder} can be read by others: voices are personal data", f"chmod 700 {folder}")
@@ -138,8 +139,3 @@ def voice(config: Config, machine: Machine) -> Iterator[Finding]:
         yield warn("voice", found, f"chmod 700 {path.parent}; chmod 600 {path}")
     else:
         yield ok("voice", f"{name} is enrolled")
-
-
-def _nearest(path: Path) -> Path:
-    """Return the folder, or the nearest one above it that exists."""
-    return next(each for each in (path, *path.parents) if each.exists())

@@ -57,11 +57,28 @@ def check_state_folder(config: Config) -> None:
         When a file is in its way, or its parents may not be written.
     """
     folder = state_path(config)
+    number = _obstacle(folder)
+    if number and (number != errno.EACCES or nearest_there(folder) != folder):
+        raise _unmade(folder, number)
+
+
+def unusable_recordings(folder: Path, place: Path | None = None) -> str:
+    """Return why nothing can be recorded in a folder, '' when it can, and make none.
+
+    ``place`` is where it is on this computer, when that is not what it is called.
+    """
+    place = place or folder
+    number = _obstacle(place)
+    verb = "written" if number == errno.EACCES and nearest_there(place) == place else "made"
+    return f"recording.folder: {folder} cannot be {verb}: {os.strerror(number)}" if number else ""
+
+
+def _obstacle(folder: Path) -> int:
+    """Return with which errno a folder could not be made or written; 0: it could."""
     there = nearest_there(folder)
-    if not there.is_dir():
-        raise _unmade(folder, errno.EEXIST if there == folder else errno.ENOTDIR)
-    if there != folder and not os.access(there, os.W_OK | os.X_OK):
-        raise _unmade(folder, errno.EACCES)
+    if not os.path.isdir(there):  # noqa: PTH112 - Path.is_dir raises where a link leads into a closed folder
+        return errno.EEXIST if there == folder else errno.ENOTDIR
+    return 0 if os.access(there, os.W_OK | os.X_OK) else errno.EACCES
 
 
 def _expanded(key: str, named: str) -> Path:

@@ -19,7 +19,7 @@ from queue import SimpleQueue
 from typing import Self
 
 from ross_payload import config
-from ross_payload.errors import RossError
+from ross_payload.errors import ConfigError, RossError, refused_as
 from ross_payload.events import Event
 from ross_payload.health import RecordingState, RecordingStatus
 from ross_payload.interfaces import Clip, Input, Real, Score, VoiceBlock, VoicePrint
@@ -206,7 +206,8 @@ class Recorder:
     def _start(self, recording: OngoingRecording, begin: Beginning) -> None:
         self._disk = recording
         stamp = self._stamp()
-        folder = self._store.add(stamp)
+        with refused_as(ConfigError, f"recording.folder: {self._store.folder} cannot be written"):
+            folder = self._store.add(stamp)
         self._status = RecordingStatus(RecordingState.ON, folder.name, path=str(folder.absolute()))
         try:
             recording.writer = SessionWriter(folder, begin, stamp)
@@ -307,6 +308,8 @@ def _write_input(recording: OngoingRecording, hop: Input) -> None:
 
 
 def _why(error: Exception) -> str:
+    if isinstance(error, ConfigError):  # which names the folder
+        return str(error)
     cause = error if isinstance(error, OSError) else error.__cause__
     return (cause.strerror if isinstance(cause, OSError) else None) or str(error)
 

@@ -6,6 +6,7 @@ import fcntl
 import os
 import re
 import shutil
+import stat
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -118,9 +119,18 @@ class SessionStore:
             path.rmdir()
 
     def tidy(self, limits: config.Recording, running: Path | None = None) -> str:
-        """Delete what is too old or too much, the oldest first; return why ``running`` must stop, or ''."""
-        if not self.folder.is_dir():
-            return ""
+        """Delete what is too old or too much, the oldest first; return why ``running`` must stop, or ''.
+
+        Raises
+        ------
+        ConfigError
+            When the folder cannot be read, or a session not be deleted.
+        OSError
+            When nothing can be written there.
+        """
+        with refused_as(ConfigError, f"recording.folder: {self.folder} cannot be read"):
+            if not _is_folder(self.folder):
+                return ""
         now, kept = _now(self.folder), list(self.all())
         for session in [one for one in kept if not one.running and _expired(one, now, limits.max_days)]:
             kept.remove(session)
@@ -145,6 +155,14 @@ def home(environment: Mapping[str, str] = os.environ) -> Path:
     """Return where sessions lie when no configuration says otherwise."""
     state = environment.get("STATE_DIRECTORY", "").partition(":")[0]
     return (Path(state) if state else Path.home() / ".local" / "state" / "ross") / "recordings"
+
+
+def _is_folder(path: Path) -> bool:
+    """Tell whether there is such a folder; where that cannot be known, raise OSError."""
+    try:
+        return stat.S_ISDIR(path.stat().st_mode)
+    except (FileNotFoundError, NotADirectoryError):
+        return False
 
 
 def _kept(path: Path) -> StoredSession | None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from ross_payload.named_paths import nearest_there
 from ross_protocols.mavlink.computer import Computer
 
 PERIOD = 5.0  # [s] between two looks
@@ -53,9 +54,8 @@ class ComputerReader:
         return [heat for heat in heats if COLDEST <= heat <= HOTTEST]
 
     def _disk(self) -> tuple[float | None, float | None]:
-        there = next((folder for folder in (self._folder, *self._folder.parents) if folder.exists()), self._folder)
         try:
-            disk = os.statvfs(there)
+            disk = os.statvfs(nearest_there(self._folder))
         except OSError:
             return None, None
         return float((disk.f_blocks - disk.f_bfree) * disk.f_frsize), float(disk.f_blocks * disk.f_frsize)

@@ -142,6 +142,14 @@ def test_a_state_folder_of_others_is_a_failure_a_recording_folder_only_where_it_
     assert said(computer_checks.recordings(config(recording={"always": True}), foreign))[0] is Verdict.FAIL
 
 
+@pytest.mark.parametrize(("name", "why"), [("file/all", "Not a directory"), ("file", "File exists")])
+def test_a_recording_folder_that_cannot_be_made_is_named_with_the_reason(tmp_path, name, why):
+    (tmp_path / "file").write_text("")
+    found = said(computer_checks.recordings(config(recording={"folder": f"/{name}"}), machine(tmp_path)))
+    assert found[0] is Verdict.WARN
+    assert found[1].startswith(f"recording.folder: /{name} cannot be made: {why} -> ")
+
+
 @pytest.mark.parametrize(("mode", "verdict"), [(0o700, Verdict.OK), (0o755, Verdict.WARN)])
 def test_recordings_that_others_may_read_are_warned_of(tmp_path, mode, verdict):
     (tmp_path / "srv").mkdir()

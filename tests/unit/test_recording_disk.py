@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from nobody import nobody
 from recording_bench import SUPPORT, input_of, only, record, recording
 from ross_payload.config import Config
 from ross_payload.events import Event
@@ -118,7 +119,15 @@ def test_a_folder_that_cannot_be_made_is_said(tmp_path):
     (tmp_path / "file").write_text("")
     recorder = record(tmp_path / "file" / "all", [input_of(0)])
     assert recorder.status().state is RecordingState.BROKEN
-    assert recorder.status().reason
+    assert recorder.status().reason == f"recording.folder: {tmp_path}/file/all cannot be written: Not a directory"
+
+
+def test_a_folder_that_may_not_be_read_is_said_and_ends_nothing(closed):
+    with nobody(), recording(closed / "inner", always=False) as recorder:
+        recorder.on_input(input_of(0))
+        recorder.drain()
+    assert recorder.status().state is RecordingState.BROKEN
+    assert recorder.status().reason == f"recording.folder: {closed}/inner cannot be read: Permission denied"
 
 
 def test_a_disk_that_stalls_for_too_long_ends_the_recording(tmp_path, monkeypatch):

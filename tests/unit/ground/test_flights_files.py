@@ -2,11 +2,11 @@
 
 import json
 import os
-from contextlib import contextmanager
 
 import pytest
 
 from flight_logs import frames, log_of
+from nobody import nobody
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.reading import open_flight
 
@@ -50,16 +50,6 @@ def test_a_log_that_may_not_be_read_is_told(tmp_path):
     path.chmod(0)
     with nobody(), pytest.raises(GroundError, match="Permission denied"):
         open_flight(path)
-
-
-@contextmanager
-def nobody():
-    """Be somebody who may not read everything."""
-    me = os.geteuid()
-    if me == 0:
-        os.seteuid(65534)
-    yield
-    os.seteuid(me)
 
 
 def test_a_link_to_a_log_is_the_log(tmp_path):

@@ -2,6 +2,7 @@
 
 import pytest
 
+from nobody import nobody
 from ross_payload.config import Link
 from ross_payload.telemetry.computer import ComputerReader
 from ross_protocols.mavlink.computer import Computer, computer_of
@@ -63,6 +64,11 @@ def test_this_computer_can_be_read(tmp_path):
     found = ComputerReader(tmp_path)()
     assert found.memory_total > 2**20
     assert found.uptime > 0
+
+
+def test_the_disk_is_read_beside_a_folder_that_may_not_be_entered(closed):
+    with nobody():
+        assert ComputerReader(closed / "inner")().disk_total
 
 
 # ------------------------------------------------------------------------------------------- told
