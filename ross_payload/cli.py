@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import signal
 import sys
 from pathlib import Path
@@ -11,10 +13,11 @@ import click
 
 from ross_payload import __version__, plugins
 from ross_payload.bounded_files import printable
-from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError, near
+from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError, near, reason
 
 COMMANDS = "ross_payload.commands"
 LONGEST = 1500  # line about a mistake [characters]: a file may hold a name of a megabyte
+UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG)
 EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by the user."
 
 
@@ -143,6 +146,9 @@ def main() -> None:
         code = 2
     except BrokenPipeError:
         code = 1
+    except OSError as error:
+        _complain(_unusable(error))
+        code = 2
     sys.exit(code if isinstance(code, int) else 0)
 
 
@@ -154,6 +160,14 @@ def _lacking(error: ModuleNotFoundError) -> str:
     if package not in EXTRA_OF:
         raise error
     return f"this command needs the package {package}: {install_line(EXTRA_OF[package])}"
+
+
+def _unusable(error: OSError) -> str:
+    """Say which file cannot be used, and why; raise the error again when it names none."""
+    if not isinstance(error.filename, str | bytes):
+        raise error
+    verb = "written" if error.errno in UNWRITABLE else "read"
+    return f"{os.fsdecode(error.filename)}: cannot be {verb}: {reason(error)}"
 
 
 def _complain(text: str) -> None:

@@ -13,7 +13,7 @@ import soundfile
 
 from ross_payload.atomic_files import replacing
 from ross_payload.dsp.recording_limits import HIGHEST_PEAK, HIGHEST_RATE
-from ross_payload.errors import AudioError, OutputError, refused_as
+from ross_payload.errors import AudioError, OutputError, reason, refused_as
 from ross_payload.interfaces import Real
 
 BLOCK = 65_536  # samples that are read at a time
@@ -134,7 +134,9 @@ class WavWriter:
         try:
             yield
         except (OSError, soundfile.LibsndfileError) as error:
-            raise OutputError(f"{self._path.name}: cannot be written: is the disk full? ({error})") from error
+            told = isinstance(error, OSError) and error.errno
+            why = reason(error) if told else f"is the disk full? ({error})"  # libsndfile does not tell
+            raise OutputError(f"{self._path.name}: cannot be written: {why}") from error
 
     def __enter__(self) -> Self:
         return self

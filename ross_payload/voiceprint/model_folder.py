@@ -14,7 +14,7 @@ from typing import Any
 
 from ross_payload.atomic_files import write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
-from ross_payload.errors import ConfigError, near, shown, unknown
+from ross_payload.errors import ConfigError, near, refused_as, shown, unknown
 from ross_payload.voiceprint.built_in import built_in_model
 from ross_payload.voiceprint.embedding_model import EmbeddingModel
 from ross_payload.voiceprint.embedding_print import Calibration
@@ -45,8 +45,15 @@ class ModelFolder:
         return cls(data_folder(environment) / "voice-models")
 
     def names(self) -> tuple[str, ...]:
-        """Return what was added, sorted."""
-        return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
+        """Return what was added, sorted.
+
+        Raises
+        ------
+        ConfigError
+            When the folder cannot be read.
+        """
+        with refused_as(ConfigError, f"{self.folder}: cannot be read"):
+            return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
 
     def path(self, name: str) -> Path:
         """Return the file of a name."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from ross_payload.atomic_files import PART, remove_leftovers, write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
-from ross_payload.errors import ConfigError, near, shown
+from ross_payload.errors import ConfigError, near, refused_as, shown
 from ross_payload.voiceprint.built_in import built_in_model
 from ross_payload.voiceprint.embedding_print import EmbeddingPrint, restored_print
 from ross_payload.voiceprint.speaker_model import VoiceModel
@@ -113,8 +113,15 @@ class VoiceStore:
         return self.folder / (name + SUFFIX)
 
     def names(self) -> tuple[str, ...]:
-        """Return who is enrolled, sorted."""
-        return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
+        """Return who is enrolled, sorted.
+
+        Raises
+        ------
+        ConfigError
+            When the folder cannot be read.
+        """
+        with refused_as(ConfigError, f"{self.folder}: cannot be read"):
+            return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
 
     def save(self, name: str, voice: EmbeddingPrint, *, new: bool = False) -> Path:
         """Keep a voice print under a name, in place of an earlier one; returns the file.

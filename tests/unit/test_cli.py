@@ -9,6 +9,7 @@ import pytest
 import soundfile
 
 from command_line import called
+from nobody import nobody
 from ross_payload import cli
 from ross_payload.audio.audio_files import BLOCK, read_mono
 from ross_payload.voiceprint import speaker_model
@@ -293,3 +294,20 @@ def test_a_turn_by_nan_is_one_line_before_anything_is_opened(run, tmp_path, opti
     code, out, err = run("calibrate", tmp_path / "absent.toml", option, "nan")
     assert (code, out) == (2, "")
     assert err == f"ross: Invalid value for '{option}': expected a finite number, got nan\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "path"),
+    [
+        (("sitl", "--speech", "inner"), "inner"),
+        (("listen", "rtp://127.0.0.1:5004", "--out", "inner/a.wav"), "inner/a.wav"),
+        (("ground", "--flights", "inner"), "inner"),
+        (("voice-model", "list"), "ross/voice-models"),
+    ],
+)
+def test_what_lies_in_a_folder_that_may_not_be_entered_is_told_in_one_line(run, monkeypatch, closed, arguments, path):
+    run(*(closed / "none" / each if each.startswith("inner") else each for each in arguments))  # imports what it needs
+    monkeypatch.setenv("XDG_DATA_HOME", str(closed))
+    with nobody():
+        said = run(*(closed / each if each.startswith("inner") else each for each in arguments))
+    assert said == (2, "", f"ross: {closed / path}: cannot be read: Permission denied\n")

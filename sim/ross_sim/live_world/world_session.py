@@ -7,13 +7,14 @@ import threading
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 
 import click
 from threadpoolctl import threadpool_limits
 
 from ross_payload.audio.audio_files import write_wav
 from ross_payload.clock import SystemClock, hurry
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, refused_as
 from ross_payload.notify import on_signal
 from ross_payload.transport.link_url import tcp_endpoint
 from ross_sim.clock import RealTimeDriver, SimClock
@@ -94,6 +95,8 @@ def _cast(scenario: Scenario, wishes: Wishes) -> Cast:
     with waiting(wishes.as_json, f"{scenario.title}: preparing the voices"):
         cast = scenario.cast(talkers_of(scenario, wishes.speech, None).voices)
     if wishes.enrolment is not None:
+        with refused_as(ConfigError, f"--enrolment {wishes.enrolment}: cannot be written"):
+            TemporaryFile(dir=wishes.enrolment.parent).close()
         write_wav(wishes.enrolment, cast.target.enrolment, cast.target.rate)
     return cast
 
