@@ -31,7 +31,7 @@ from ross_payload.notify import MISSION, Manager, Watchdog, hearing_signals, on_
 from ross_payload.orders import Shutdown, Stop
 from ross_payload.service.payload import POLL, Parts, assembled
 from ross_payload.service.runner import Runner
-from ross_payload.service.state_folder import recording_path, state_folder
+from ross_payload.service.state_folder import owned, recording_path, state_folder
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.sessions.recorder import in_background
 from ross_payload.sessions.session_store import SessionStore
@@ -60,6 +60,7 @@ def live(config: Config) -> int:
     """
     with ExitStack() as stack:
         stack.enter_context(logging_to(sys.stderr, config.service.log_level, config.service.log_format))
+        stack.enter_context(owned(state_folder(config)))
         stack.enter_context(computing())
         sys.setswitchinterval(SWITCH)
         clock, manager = SystemClock(), Manager.of()

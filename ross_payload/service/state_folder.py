@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import errno
+import fcntl
+import logging
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +16,8 @@ from ross_payload.named_paths import expanded, nearest_there
 
 if TYPE_CHECKING:  # `ross health` does without it
     from ross_payload.config import Config
+
+log = logging.getLogger(__name__)
 
 
 def named_folder(named: str, environment: Mapping[str, str] = os.environ) -> Path:
@@ -46,6 +51,28 @@ def state_folder(config: Config) -> Path:
     except OSError as error:
         raise _unmade(folder, error.errno) from error
     return folder
+
+
+@contextmanager
+def owned(folder: Path) -> Iterator[None]:
+    """Keep other payloads from a state folder; the kernel gives it back when the process ends, however it ends.
+
+    Raises
+    ------
+    ConfigError
+        When another payload has it.
+    """
+    with ExitStack() as stack:
+        try:
+            handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+            stack.callback(os.close, handle)
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            expected = f"expected a folder that no other payload uses, got {folder}"
+            raise ConfigError(f"service.state_dir: {expected}: stop the other one, or name another folder") from error
+        except OSError as error:  # not every file system has locks
+            log.warning("%s: %s; another payload in the same folder would not be noticed", folder, error.strerror)
+        yield
 
 
 def check_state_folder(config: Config) -> None:

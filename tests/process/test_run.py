@@ -207,6 +207,23 @@ def commanded(folder, number, *parameters, links):
         return ack.result, process.stderr.read()
 
 
+def test_a_second_payload_on_the_same_state_folder_is_refused_and_the_first_goes_on(folder):
+    path = written(folder, source="file:long.wav")
+    with subprocess.Popen([*ROSS, "run", path], cwd=folder, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            wait_for(process, "ross 0")
+            second = run(folder, path)
+            assert second.returncode == 2
+            assert second.stderr == (
+                "ross: service.state_dir: expected a folder that no other payload uses, got state: "
+                "stop the other one, or name another folder\n"
+            )
+            assert (folder / "state" / "health").is_socket()
+        finally:
+            process.kill()
+    assert run(folder, written(folder)).returncode == 0, "a killed payload leaves no lock"
+
+
 def test_a_stop_outlives_a_restart_until_armed_again(folder):
     links = f"url = 'udpin:127.0.0.1:{free_port()}'"
     assert commanded(folder, 54004, links=links)[0] == 0  # stop
