@@ -18,7 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 from ross_payload.bounded_files import MB, read_bounded
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
-from ross_payload.voiceprint import EmbeddingPrint, built_in_model
+from ross_payload.voiceprint import EmbeddingPrint, VoiceModel, built_in_model
 
 T = TypeVar("T")
 LARGEST = 64 * MB
@@ -64,7 +64,7 @@ def _value(content: Any, hint: Any) -> Any:
 
 @dataclass(frozen=True, slots=True)
 class StoredPrint:
-    """What a print is made of beside the built-in model."""
+    """What a print is made of beside its model."""
 
     embedding: Real
     seconds: float
@@ -77,19 +77,22 @@ def packed_voice(voice: EmbeddingPrint) -> bytes:
     return packed(StoredPrint(voice.embedding, voice.seconds, voice.criterion, voice.fingerprint))
 
 
-def restored_voice(path: Path) -> EmbeddingPrint:
-    """Read it again.
+def restored_voice(path: Path, used: VoiceModel | None = None) -> EmbeddingPrint:
+    """Read it again; it was made with the built-in model, or with the one that is ``used``.
 
     Raises
     ------
     ConfigError
-        When the file is damaged, or was made with another built-in model.
+        When the file is damaged, or was made with another model.
     """
-    model = built_in_model()
-    made_by = unpacked(path, _AnyPrint, others=True).background
-    if made_by != model.fingerprint:
-        raise ConfigError(f"{path.name}: made with another built-in model of voices")
+    models = {model.fingerprint: model for model in (used, built_in_model()) if model is not None}
+    model = models.get(unpacked(path, _AnyPrint, others=True).background)
+    if model is None:
+        other = "made with another model of voices than the one in use: see ross voice-model list"
+        raise ConfigError(f"{path.name}: {other}")
     values = unpacked(path, StoredPrint)
+    if values.embedding.shape != (model.size,):
+        raise ConfigError(f"{path.name}: damaged: expected {model.size} numbers, got {values.embedding.shape}")
     return EmbeddingPrint(values.embedding, values.seconds, model, values.criterion)
 
 

@@ -59,7 +59,7 @@ def target_voice(
 ) -> TargetVoice:
     """Find whom a session looks for; ``same``: in the recorded configuration, where recorded answers serve.
 
-    Prints that are enrolled here are those of ``model``, None: the built-in one.
+    Prints are those of ``model``, None: the built-in one; one that is kept with a session may also be of the built-in.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def target_voice(
         why = f"'{name}' is synthetic" if synthetic else f"no voice '{name}' is enrolled here"
         return TargetVoice(RecordedAnswers(iter(session.scores()), inputs), f"recorded answers: {why}")
     if synthetic:
-        return TargetVoice(restored_voice(kept), f"the synthetic voice '{name}', kept with the session")
+        return TargetVoice(restored_voice(kept, model), f"the synthetic voice '{name}', kept with the session")
     raise ConfigError(
         f"the target voice of the session is '{name}', which is not enrolled here: "
         "ross enroll it, or replay the recorded configuration"

@@ -11,6 +11,8 @@ from ross_payload.voiceprint.features import RATE
 from ross_payload.voiceprint.model_folder import ModelFolder
 from speaker_network import SIZE, speaker_network, vowel
 
+ANOTHER = "made with another model of voices than the one in use: see ross voice-model list"
+
 pytestmark = pytest.mark.usefixtures("undrawn")
 
 
@@ -52,8 +54,13 @@ def test_a_mission_recognises_by_the_network_and_is_replayed_from_its_recorded_a
         scores[model] = json.loads((tmp_path / model / "report.json").read_text())["groups"]
     assert scores["auto"] != scores["built-in"]
 
-    assert run("voice-model", "remove", "small")[0] == 0
     (session,) = (tmp_path / "tape").iterdir()
+    changed = ("replay", str(session), "--json", "--set", "exploit.separator=duet")
+    code, out, err = run(*changed)
+    assert (code, err) == (0, "")
+    assert json.loads(out)["voice"].endswith("kept with the session")
+    assert run("voice-model", "remove", "small")[0] == 0
+    assert run(*changed)[::2] == (2, f"ross: voice.npz: {ANOTHER}\n")
     code, out, err = run("replay", str(session), "--json")
     assert (code, err) == (0, "")
     told = json.loads(out)

@@ -193,7 +193,7 @@ def test_the_print_that_an_earlier_session_kept_says_so(tmp_path):
     old = {"offsets": np.zeros((64, 48)), "pitch_weights": np.full(12, 1 / 12)}
     old |= {name: np.array(value) for name, value in (("seconds", "2.9"), ("criterion", "0.0"))}
     np.savez(tmp_path / "voice.npz", background=np.array('"c9d07d368d832d11"'), **old)
-    with pytest.raises(ConfigError, match=r"voice\.npz: made with another built-in model of voices"):
+    with pytest.raises(ConfigError, match=r"voice\.npz: made with another model of voices than the one in use"):
         restored_voice(tmp_path / "voice.npz")
 
 

@@ -109,11 +109,13 @@ def talkers_of(scenario: Scenario, speech: Path | None, target: str | None) -> T
             return TalkerSelection(voices, target, _enrolled(target, voices, model))
         voice = found
         voices = (voice, *(other for other in voices if other is not voice))
-    if speech is None and isinstance(model, BuiltInModel):
+    if speech is not None:
+        return TalkerSelection(voices, voice.name, enrol(voice.enrolment, voice.rate, model))
+    if isinstance(model, BuiltInModel):
         voiceprint = synthetic_print(voice, model)
-        return TalkerSelection(voices, voice.name, voiceprint, voiceprint)
-    # what a network made is replayed by its recorded answers
-    return TalkerSelection(voices, voice.name, enrol(voice.enrolment, voice.rate, model))
+    else:  # of a network nothing is kept in the cache
+        voiceprint = enrol(voice.enrolment, voice.rate, model)
+    return TalkerSelection(voices, voice.name, voiceprint, voiceprint)
 
 
 def _enrolled(target: str, voices: tuple[TalkerVoice, ...], model: VoiceModel) -> VoicePrint:
