@@ -42,9 +42,10 @@ def show(finished: Finished, out: Path | None, as_json: bool, console: Console |
         soft_wrap=True,
     )
     if out is not None:
-        console.print(
-            f"Results: {out}/ (listen: mixture.wav, target.wav; look: mission.png)", highlight=False, soft_wrap=True
-        )
+        told = {"listen": ("mixture.wav", "target.wav"), "look": ("mission.png",)}
+        there = {verb: ", ".join(name for name in names if (out / name).exists()) for verb, names in told.items()}
+        what = "; ".join(f"{verb}: {names}" for verb, names in there.items() if names)
+        console.print(f"Results: {out}/ ({what})", highlight=False, soft_wrap=True)
 
 
 def _sources(values: dict[str, Any]) -> Table:
