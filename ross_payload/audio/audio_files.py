@@ -82,21 +82,23 @@ def _check_peak(path: Path, samples: Real) -> None:
         raise AudioError(f"{path}: expected samples of at most {HIGHEST_PEAK:g} re full scale, got {peak:.3g}")
 
 
+OWN = 0o600  # who may read what people have said
 BUFFER = 16000  # samples that wait to be written together: a hop at a time would cost more than the hearing
 
 
 class WavWriter:
     """Writes PCM_24 WAV beside its place and puts it there when closed, also after an exception.
 
+    The file is for its owner alone: it may hold what people have said.
     PCM_24 because float WAV files carry a time stamp and would differ from run to run.
     """
 
-    def __init__(self, path: Path, rate: int, channels: int, mode: int = 0o666) -> None:
+    def __init__(self, path: Path, rate: int, channels: int) -> None:
         self._path = path
         self._waiting: list[Real] = []
         self._pending = 0  # samples waiting
         with ExitStack() as stack, self._reported():
-            part = stack.enter_context(replacing(path, mode))
+            part = stack.enter_context(replacing(path, OWN))
             self._file = soundfile.SoundFile(
                 part, "w", samplerate=rate, channels=channels, subtype="PCM_24", format="WAV"
             )
@@ -145,8 +147,8 @@ class WavWriter:
         self.close()
 
 
-def write_wav(path: Path, samples: Real, rate: int, mode: int = 0o666) -> None:
-    """Write samples (n,) or (n_channels, n) as PCM_24; the umask narrows who may read them."""
+def write_wav(path: Path, samples: Real, rate: int) -> None:
+    """Write samples (n,) or (n_channels, n) as PCM_24, for their owner alone."""
     block = np.atleast_2d(samples)
-    with WavWriter(path, rate, block.shape[0], mode) as writer:
+    with WavWriter(path, rate, block.shape[0]) as writer:
         writer.write(block)

@@ -58,6 +58,7 @@ def command(
     directions are the peaks of the ITD density of MIXTURE.
     """
     import json
+    from contextlib import nullcontext
 
     from threadpoolctl import threadpool_limits
 
@@ -65,7 +66,7 @@ def command(
     from ross_payload.evaluation import results
     from ross_payload.evaluation.scoring import at_rate, delays, evaluate
     from ross_payload.evaluation.takes import paired, read_take
-    from ross_payload.sessions.replay_results import prepare
+    from ross_payload.sessions.replay_results import prepared
 
     config = Config() if file is None else load(file)
     if separator is not None:
@@ -74,14 +75,13 @@ def command(
     tau = delays(config, azimuths, heading, tdoas, sources)
     both = read_take(mixture), read_take(target)
     config = at_rate(config, both[0].rate) if file is None else config
-    if out is not None:
-        prepare(out)
-    with threadpool_limits(1):
-        pair = paired(*both, config.audio.rate_hz)
-        found = evaluate(pair, config, tau, sources)
-    values = results.report(pair, found, config, azimuths)
-    if out is not None:
-        results.write(out, values, found, config.audio.rate_hz)
+    with prepared(out) if out is not None else nullcontext():
+        with threadpool_limits(1):
+            pair = paired(*both, config.audio.rate_hz)
+            found = evaluate(pair, config, tau, sources)
+        values = results.report(pair, found, config, azimuths)
+        if out is not None:
+            results.write(out, values, found, config.audio.rate_hz)
     if as_json:
         click.echo(json.dumps(values, indent=2, allow_nan=False))
     else:

@@ -118,7 +118,7 @@ def write(folder: Path, values: dict[str, Any], found: Evaluation, rate: int) ->
         When the disk is full or gone.
     """
     for index, group in enumerate(found.groups):
-        write_wav(folder / f"group-{index}.wav", group.voice, rate, OWN)
+        write_wav(folder / f"group-{index}.wav", group.voice, rate)
     mine = {f"group-{index}.wav" for index in range(len(found.groups))}
     with refused_as(OutputError, f"{folder}: cannot be written"):
         for path in folder.iterdir():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -36,18 +37,17 @@ def perform(path: Path, out: Path | None, file: Path | None, settings: tuple[str
     session = RecordedSession.open(path)
     recorded = _recorded(session, file)
     config = config_changes.changed(recorded, file, settings)
-    if out is not None:
-        replay_results.prepare(out)
     differing = config_changes.differences(recorded, config)
-    told, facts = _played(session, recorded, config, tuple(differing))
-    facts |= {
-        "changes": differing,
-        "without_effect": list(config_changes.without_effect(recorded, config)),
-        "notes": list(session.contents().notes),
-    }
-    values = replay_results.report(session, told, config.audio.rate_hz) | facts
-    if out is not None:
-        replay_results.write(out, values, told, config.audio.rate_hz)
+    with replay_results.prepared(out) if out is not None else nullcontext():
+        told, facts = _played(session, recorded, config, tuple(differing))
+        facts |= {
+            "changes": differing,
+            "without_effect": list(config_changes.without_effect(recorded, config)),
+            "notes": list(session.contents().notes),
+        }
+        values = replay_results.report(session, told, config.audio.rate_hz) | facts
+        if out is not None:
+            replay_results.write(out, values, told, config.audio.rate_hz)
     return values
 
 

@@ -6,7 +6,8 @@ import json
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -24,8 +25,9 @@ OWN = 0o600  # who may read what people have said
 VOICE = re.compile(r"target\.wav|group-\d+\.wav")
 
 
-def prepare(folder: Path) -> None:
-    """Make the folder for the results.
+@contextmanager
+def prepared(folder: Path) -> Iterator[None]:
+    """Make the folder for the results; when what is done meanwhile fails, an empty one that was made is removed.
 
     Raises
     ------
@@ -33,11 +35,19 @@ def prepare(folder: Path) -> None:
         When it cannot be made or written, or is a session.
     """
     with refused_as(ConfigError, f"--out {folder}: cannot be written"):
+        made = not os.path.lexists(folder)
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)  # voices of people
     if (folder / "session.json").exists():
         raise ConfigError(f"--out: expected a folder for the results, got the session {folder}")
     if not os.access(folder, os.W_OK):
         raise ConfigError(f"--out {folder}: cannot be written: permission denied")
+    try:
+        yield
+    except BaseException:
+        if made:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
 
 
 def report(session: RecordedSession, replay_state: Replayed, rate: int) -> dict[str, Any]:
@@ -88,7 +98,7 @@ def write(folder: Path, values: dict[str, Any], replay_state: Replayed, rate: in
     """
     voices = voices_of(last(replay_state.events, Separated))
     for name, voice in voices.items():
-        write_wav(folder / name, voice, rate, OWN)
+        write_wav(folder / name, voice, rate)
     with refused_as(OutputError, f"{folder}: cannot be written"):
         for path in folder.iterdir():
             if VOICE.fullmatch(path.name) and path.name not in voices:

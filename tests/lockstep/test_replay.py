@@ -181,8 +181,9 @@ def test_without_the_voice_recorded_answers_serve_the_same_mission_only(taped, t
     _, values = replayed(copied, tmp_path / "out", run)
     assert values["identical"]
     assert "recorded answers" in values["voice"]
-    code, error = replayed(copied, tmp_path / "out", run, "exploit.separator=duet")
+    code, error = replayed(copied, tmp_path / "refused", run, "exploit.separator=duet")
     assert code == 2
+    assert not (tmp_path / "refused").exists()
     assert "not enrolled here" in error
 
 

@@ -7,7 +7,7 @@ import re
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,8 @@ OURS = re.compile(
 class ResultsFolder(AbstractContextManager["ResultsFolder"]):
     """Collects results in a hidden folder beside its place and moves them there when closed.
 
-    What has the name of a result is taken for an earlier mission's and replaced; other files are left alone.
+    What has the name of a result is taken for an earlier mission's and replaced; other files are left alone. A folder
+    that had to be made is for its owner alone, and removed again when there are no results.
 
     Raises
     ------
@@ -33,7 +34,8 @@ class ResultsFolder(AbstractContextManager["ResultsFolder"]):
     def __init__(self, path: Path) -> None:
         self.path = path
         with refused_as(ConfigError, f"--out {path}: cannot be written"):
-            path.mkdir(parents=True, exist_ok=True)
+            self._made = not os.path.lexists(path)
+            path.mkdir(mode=0o700, parents=True, exist_ok=True)  # voices of people
             self.staging = Path(tempfile.mkdtemp(prefix=".mission-", dir=path))
 
     def write_text(self, name: str, text: str) -> None:
@@ -69,6 +71,9 @@ class ResultsFolder(AbstractContextManager["ResultsFolder"]):
             raise OutputError(f"{self.path}: cannot be written: {error.strerror}") from error
         finally:
             shutil.rmtree(self.staging, ignore_errors=True)
+            if self._made and not complete:
+                with suppress(OSError):
+                    self.path.rmdir()
 
     def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
         self.close(complete=kind is None)
