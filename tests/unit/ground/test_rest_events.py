@@ -84,6 +84,18 @@ async def test_a_stream_shows_that_it_lives_and_ends_with_the_page(monkeypatch):
                 await answer.content.read()
 
 
+async def test_a_program_that_leaves_is_no_fault_of_the_page(monkeypatch, capsys):
+    monkeypatch.setattr(event_stream, "KEEP_ALIVE_S", 0.01)
+    station = Scripted()
+    async with page(station) as served, program(served) as one:
+        for _ in range(5):
+            answer = await one.session.get(f"{one.base}{PAYLOAD}/events")
+            await answer.content.readline()
+            answer.close()
+            await asyncio.sleep(0.1)
+    assert capsys.readouterr().err == ""
+
+
 async def test_of_a_payload_that_was_not_received_there_are_no_events_and_streams_are_bounded(monkeypatch):
     station = Scripted()
     async with page(station) as served, program(served) as one:

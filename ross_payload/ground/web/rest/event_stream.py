@@ -103,8 +103,8 @@ async def get_events(call: Call, where: OfPayload) -> web.StreamResponse:
 
 
 async def _write(response: web.StreamResponse, queue: EventQueue, changed: Wakeup) -> None:
-    """Write what happens until the page ends, or a program takes nothing for long (TimeoutError)."""
-    with suppress(LinkLost):
+    """Write what happens until the page ends, the program leaves, or it takes nothing for long (TimeoutError)."""
+    with suppress(LinkLost, ConnectionError):
         while True:
             text = await changed.within(KEEP_ALIVE_S, queue.due)
             async with asyncio.timeout(STALLED_S):
