@@ -23,6 +23,7 @@ from ross_payload.plugin_checks import load_separator
 from ross_payload.service.assemble import EXPLORER_FRAME
 
 FRAME = 0.1  # of the separation, rounded to a power of two in samples [s]
+MOST_DEG = 360  # of an angle on the command line, as of one in an order
 PROMINENCE = 0.005  # of a peak that is a group, over the highest
 
 
@@ -168,6 +169,9 @@ def delays(
     """
     if not np.isfinite([*azimuths_deg, heading_deg or 0.0, *tdoas_us]).all():
         raise ConfigError("--azimuth, --heading and --tdoa-us: expected finite numbers")
+    for name, angle in (*(("azimuth", each) for each in azimuths_deg), ("heading", heading_deg or 0.0)):
+        if abs(angle) > MOST_DEG:
+            raise ConfigError(f"--{name}: expected -{MOST_DEG} to {MOST_DEG} deg, got {angle:g}")
     if sum(map(bool, (azimuths_deg, tdoas_us, sources))) > 1:
         raise ConfigError("--azimuth, --tdoa-us, --sources: expected only one of them")
     if heading_deg is not None and not azimuths_deg:

@@ -25,10 +25,15 @@ def command(context: click.Context, folder: Path | None, as_json: bool) -> None:
     the configuration ([recording]) or are deleted.
     """
     import json
+    import os
 
+    from ross_payload.errors import ConfigError, refused_as
     from ross_payload.sessions.catalog import described
     from ross_payload.sessions.session_store import SessionStore, home
 
+    if folder is not None:
+        with refused_as(ConfigError, f"--folder {folder}: cannot be read"):
+            os.scandir(folder).close()
     store = SessionStore(folder or home())
     context.obj = store
     if context.invoked_subcommand is not None:

@@ -311,3 +311,10 @@ def test_what_lies_in_a_folder_that_may_not_be_entered_is_told_in_one_line(run, 
     with nobody():
         said = run(*(closed / each if each.startswith("inner") else each for each in arguments))
     assert said == (2, "", f"ross: {closed / path}: cannot be read: Permission denied\n")
+
+
+def test_sessions_of_a_folder_that_is_not_there_are_refused(run, tmp_path):
+    (tmp_path / "empty").mkdir()
+    assert run("sessions", "--folder", tmp_path / "empty") == (0, f"no sessions in {tmp_path}/empty\n", "")
+    expected = f"ross: --folder {tmp_path}/nosuch: cannot be read: No such file or directory\n"
+    assert run("sessions", "--folder", tmp_path / "nosuch") == (2, "", expected)

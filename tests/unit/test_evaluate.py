@@ -267,6 +267,8 @@ WRONG = {
     "--heading: expected together with --azimuth": ["--heading", 10],
     "expected at most 146 us (d / v_p), got 400": ["--tdoa-us", 400],
     "expected a finite number, got nan": ["--azimuth", "nan"],
+    "--azimuth: expected -360 to 360 deg, got 1000": ["--azimuth", 10, "--azimuth", 1000],
+    "--heading: expected -360 to 360 deg, got -361": ["--azimuth", 10, "--heading", -361],
     "is unknown": ["--separator", "magic"],
     "cannot be read": ["--config", "nowhere.toml"],
 }
