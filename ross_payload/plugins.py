@@ -7,7 +7,7 @@ import shutil
 import sys
 from collections.abc import Mapping
 from functools import cache
-from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, requires
+from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, requires, version
 from pathlib import Path
 from typing import Any
 
@@ -76,9 +76,10 @@ EXTRA_OF = {  # by the module that an optional part imports
 
 
 def install_line(extra: str) -> str:
-    """Return the command that installs what an extra needs, for the Python that runs this.
+    """Return the command that installs what an extra needs and is missing, for the Python that runs this.
 
-    The requirements are named rather than our own package, which may come from a clone or a wheel and be on no index.
+    When nothing is missing all of it is named, since something of it does not work. The requirements are named rather
+    than our own package, which may come from a clone or a wheel and be on no index.
 
     >>> install_line("serial").endswith("pip install 'pyserial>=3.5'")
     True
@@ -87,8 +88,18 @@ def install_line(extra: str) -> str:
         found = [match for text in requires(PACKAGE) or () if (match := REQUIREMENT.match(text))]
     except PackageNotFoundError:  # run from the sources without having been installed
         found = []
-    packages = [f"'{match['package'].strip()}'" for match in found if match["extra"] == extra]
-    return f"{pip()} install {' '.join(packages or [f'.[{extra}]'])}"
+    packages = [match["package"].strip() for match in found if match["extra"] == extra]
+    missing = [each for each in packages if not _is_installed(each)]
+    named = [f"'{each}'" for each in missing or packages]
+    return f"{pip()} install {' '.join(named or [f'.[{extra}]'])}"
+
+
+def _is_installed(requirement: str) -> bool:
+    name = re.match(r"[\w.-]+", requirement)
+    try:
+        return name is not None and bool(version(name[0]))
+    except PackageNotFoundError:
+        return False
 
 
 def pip() -> str:

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import tomllib
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import pytest
@@ -14,12 +15,23 @@ DECLARED = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["opti
 
 
 @pytest.mark.parametrize("extra", sorted(set(DECLARED) - {"all"}))
-def test_an_extra_s_line_names_what_the_extra_needs_and_never_ourselves(extra):
+def test_an_extra_s_line_names_what_the_extra_needs_and_never_ourselves(monkeypatch, extra):
+    monkeypatch.setattr(plugins, "version", lambda _: "")
     line = plugins.install_line(extra)
     for requirement in DECLARED[extra]:
         own = requirement.startswith("ross-payload")
         assert own or f"'{requirement.partition(';')[0]}'" in line
     assert "ross-payload" not in line
+
+
+def test_what_is_installed_is_not_named_beside_what_is_missing(monkeypatch):
+    def version(name):
+        if name == "scikit-learn":
+            raise PackageNotFoundError
+        return "1"
+
+    monkeypatch.setattr(plugins, "version", version)
+    assert plugins.install_line("study").endswith(" install 'scikit-learn>=1.4'")
 
 
 def test_it_is_for_the_python_that_runs_this(monkeypatch, tmp_path):

@@ -67,6 +67,18 @@ def test_another_study_is_refused_in_one_line_and_nothing_is_touched(tmp_path, c
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
 
+def test_a_study_goes_on_when_a_package_that_was_absent_has_been_installed(tmp_path):
+    def wanted(package):
+        return WANTED | {"versions": {"python": "3.11", "scikit-learn": package}}
+
+    for package in (None, "1.7", "1.7"):
+        with Store(tmp_path, wanted(package)) as store:
+            store.add(result("a"))
+    for package in ("1.8", None):
+        with pytest.raises(ConfigError, match=f"scikit-learn is 1.7, not {package}"), Store(tmp_path, wanted(package)):
+            pass
+
+
 def test_a_folder_in_which_nothing_was_measured_can_be_taken(tmp_path):
     with Store(tmp_path, WANTED):
         pass

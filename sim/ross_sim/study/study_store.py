@@ -179,7 +179,12 @@ class Store(AbstractContextManager["Store[Rows]"], Generic[Rows]):
             found = parsed_json(read_bounded(path))
         except (OSError, ValueError) as error:
             raise ConfigError(f"{path}: cannot be read, so the journal beside it may be another study's") from error
-        other = difference(found, wanted)
+        was = found.get("versions") if isinstance(found, dict) else None
+        absent = {name: None for name, each in was.items() if each is None} if isinstance(was, dict) else {}
+        same = {"versions": wanted["versions"] | absent} if absent else {}  # a package that was absent made no row
+        other = difference(found, wanted | same)
+        if not other and absent:
+            self.write("study.json", (json.dumps(wanted, indent=2) + "\n").encode())
         if other:
             raise ConfigError(f"--out {self.folder}: holds another study ({other}); choose another folder")
 
