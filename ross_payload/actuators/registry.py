@@ -7,6 +7,7 @@ are lowered to the guard's caps before the back end sees them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 from ross_payload import config, plugins
@@ -77,8 +78,19 @@ def _describe(name: str, origin: str) -> Description:
         backend = _backend(name)
     except PluginError as error:
         return Description(name, origin, False, str(error))
+    package = _missing_package(backend)
+    if package:
+        line = plugins.install_line(plugins.EXTRA_OF[package])
+        return Description(name, origin, False, f"needs the package {package}, but for the simulator: {line}")
     lines = (getattr(backend, "about", None) or type(backend).__doc__ or "").strip().splitlines()
     return Description(name, origin, True, lines[0] if lines else "")
+
+
+def _missing_package(backend: Backend) -> str:
+    """Return the package that the usual wire of a back end needs and that is not installed; '' when none is."""
+    port = getattr(backend.Config, "model_fields", {}).get("port")
+    scheme = str(getattr(port, "default", "")).partition(":")[0]  # which is what the package is called
+    return scheme if scheme in plugins.EXTRA_OF and find_spec(scheme) is None else ""
 
 
 def _backend(name: str) -> Backend:

@@ -11,6 +11,7 @@ import pytest
 
 from guard_bench import ABLE, Device, bench
 from ross_payload import config
+from ross_payload.actuators import registry
 from ross_payload.actuators.registry import checked_options, describe
 from ross_payload.errors import ActuatorFault, ConfigError, LimitError, NotHomed, PluginError
 
@@ -230,6 +231,11 @@ def test_a_broken_plug_in_hurts_no_other(tmp_path: Path, monkeypatch: pytest.Mon
     rows = {row.name: row for row in describe()}
     assert rows["ideal"].usable
     assert rows["tb6600"].usable
+    assert rows["grbl"].usable
+    monkeypatch.setattr(registry, "find_spec", lambda _: None)
+    lacking = {row.name: row.about for row in describe() if row.about.startswith("needs the package")}
+    assert lacking.keys() == {"grbl", "canopen_drive", "dronecan_servo"}
+    assert lacking["grbl"].endswith("pip install 'pyserial>=3.5'")
     assert "stepper" in rows["tb6600"].about.lower()
     assert not rows["aaa_broken"].usable
     assert "ZeroDivisionError" in rows["aaa_broken"].about
