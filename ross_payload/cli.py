@@ -108,6 +108,8 @@ def enroll(name: str, file: Path | None, forget: bool, model: str) -> None:
     from ross_payload.voiceprint.speaker_model import LONGEST as LONGEST_SPEECH
 
     store = VoiceStore.default()
+    if forget and file is not None:
+        raise click.UsageError(f"AUDIO: expected none with --forget, got {file}")
     if forget:
         store.forget(name)
         click.echo(f"forgot {name}")

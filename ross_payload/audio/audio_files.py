@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
@@ -17,6 +18,22 @@ from ross_payload.errors import AudioError, OutputError, reason, refused_as
 from ross_payload.interfaces import Real
 
 BLOCK = 65_536  # samples that are read at a time
+
+
+def check_readable(path: Path) -> None:
+    """Refuse what no file is, or may not be read.
+
+    Raises
+    ------
+    AudioError
+        With one line that says what is wrong.
+    """
+    with refused_as(AudioError, f"{path}: cannot be read"):
+        if path.is_dir():
+            raise AudioError(f"{path}: expected an audio file, got a folder")
+        if not path.is_file():
+            raise AudioError(f"{path}: no such file")
+        os.close(os.open(path, os.O_RDONLY | os.O_CLOEXEC))
 
 
 def read_audio(path: Path) -> tuple[Real, int]:
@@ -64,9 +81,7 @@ def read_mono(path: Path, longest: float = math.inf) -> tuple[Real, int, bool]:
 @contextmanager
 def _opened(path: Path) -> Iterator[soundfile.SoundFile]:
     """Open a file for reading; whatever libsndfile says against it becomes an AudioError."""
-    with refused_as(AudioError, f"{path}: cannot be read"):
-        if not path.is_file():
-            raise AudioError(f"{path}: no such file")
+    check_readable(path)
     try:
         with soundfile.SoundFile(path) as file:
             if file.samplerate > HIGHEST_RATE:

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 import soundfile
 
+from ross_payload.audio.audio_files import check_readable
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.open_source import SourceServices
 from ross_payload.errors import AudioEnded, AudioError
@@ -78,8 +79,7 @@ class FileSource:
         """
         if not math.isnan(self._began):
             raise AudioError(f"{self._path}: can be opened only once")
-        if not self._path.is_file():
-            raise AudioError(f"{self._path}: no such file")
+        check_readable(self._path)
         try:
             file = soundfile.SoundFile(self._path)
         except (soundfile.LibsndfileError, RuntimeError) as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -78,6 +79,8 @@ def _wrong(error: ErrorDetails) -> str:
         return text.removeprefix("Value error, ")
     if error["type"] == "string_pattern_mismatch":
         return f"expected {FORMS.get(error['ctx']['pattern'], error['ctx']['pattern'])}, got {shown(value)}"
+    if isinstance(value, float) and math.isnan(value):
+        return "expected a number, got nan"
     if error["type"] == "missing":
         return "expected a value, got none"
     text = re.sub(r"^\w+ should (be|have) ", lambda found: BEGINNINGS[found[1]], text)

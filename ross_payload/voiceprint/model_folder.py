@@ -70,7 +70,7 @@ class ModelFolder:
         name = source.name.removesuffix(SUFFIX)
         if not re.fullmatch(r"\w[\w.-]{0,63}", name) or name in (BUILT_IN, AUTO) or source.suffix != SUFFIX:
             expected = "at most 64 letters, digits, '_', '-' and '.' and then .onnx as the name of a file"
-            raise ConfigError(f"expected {expected}, got {shown(source.name)}")
+            raise ConfigError(f"expected {expected}, got {shown(source.name or str(source))}")
         content = read_model(source)
         read = _calibration(calibration) if calibration is not None else ANY
         model = EmbeddingModel(content, str(source), read)

@@ -260,7 +260,11 @@ def test_a_file_that_does_not_fit_is_refused(tmp_path, rate, channels, said):
 
 def test_a_file_that_is_missing_or_no_audio_is_refused(tmp_path):
     (tmp_path / "text.wav").write_text("not audio")
-    for name, said in (("none.wav", "no such file"), ("text.wav", "expected audio that libsndfile can read")):
+    for name, said in (
+        ("none.wav", "no such file"),
+        (".", "expected an audio file, got a folder"),
+        ("text.wav", "expected audio that libsndfile can read"),
+    ):
         source = FileSource(tmp_path / name, RATE, ChannelMap.of(Audio()), SimClock())
         with pytest.raises(AudioError, match=said), source:
             pass

@@ -213,6 +213,25 @@ def test_forgetting_somebody_unknown_says_so(run):
     assert "nobody" in err
 
 
+def test_forgetting_and_enrolling_at_once_is_refused_and_nothing_is_deleted(run, tmp_path):
+    (tmp_path / "data" / "ross" / "voices").mkdir(parents=True)
+    kept = tmp_path / "data" / "ross" / "voices" / "anna.json"
+    kept.write_text("{}")
+    assert run("enroll", "anna", "a.flac", "--forget") == (
+        2,
+        "",
+        "ross: AUDIO: expected none with --forget, got a.flac\n",
+    )
+    assert kept.exists()
+
+
+def test_a_folder_is_no_audio_and_no_network(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    expected = f"ross: {tmp_path}: expected an audio file, got a folder\n"
+    assert run("enroll", "anna", tmp_path) == (2, "", expected)
+    assert run("voice-model", "add", ".")[2].endswith("as the name of a file, got '.'\n")
+
+
 @pytest.mark.parametrize(
     ("words", "meant"),
     [

@@ -24,7 +24,7 @@ def test_the_hop_is_counted_in_samples(tmp_path):
     [
         ("[array]\nspacng_m = 0.05", "unknown key 'array.spacng_m'"),
         ("[array]\nspacing_m = 0", "array.spacing_m"),
-        ("[array]\nspacing_m = nan", "array.spacing_m"),
+        ("[array]\nspacing_m = nan", "array.spacing_m: expected a number, got nan"),
         ("[guard]\nlower_deg = 10\nupper_deg = -10", "expected lower_deg below upper_deg, got 10 and -10"),
         ("[guard]\npark_deg = 300", "park_deg"),
         ("[guard]\nmax_speed_deg_s = inf", "max_speed_deg_s"),
