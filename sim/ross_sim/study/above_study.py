@@ -23,7 +23,7 @@ from ross_payload.dsp.ego_noise import EgoNoise, learnt
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.steering import tdoa
-from ross_payload.errors import ConfigError, OutputError, refused_as
+from ross_payload.errors import OutputError, refused_as
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Observation, Real, Samples, Scene, Separator
 from ross_payload.localization.joint import Joint
@@ -33,12 +33,12 @@ from ross_payload.plugin_checks import load_separator
 from ross_sim.study.above_rows import AboveRow, above
 from ross_sim.study.above_scenes import AboveScene, among, images_of, rotors_of, scene
 from ross_sim.study.exploration import NEAR_DEG, matched
-from ross_sim.study.mixtures import LEAD_IN, RATE, VOICES
+from ross_sim.study.mixtures import LEAD_IN, RATE
 from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings
-from ross_sim.study.noise_study import LONG, SHORT
+from ross_sim.study.noise_study import LONG, SHORT, TALKERS
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.talkers.speech import load_folder
+from ross_sim.study.talker_placement import standard_voices
 
 RUN = 10.0  # [s]
 FREE = Turn(base=0.0, joint=0.0, lower=-np.inf, upper=np.inf)
@@ -67,7 +67,7 @@ def rows(
     for height in design.heights:
         for walk in design.walks:
             for ratio in design.ratios:
-                for k in (1, 2, 3):
+                for k in TALKERS:
                     for layout in range(design.layouts):
                         row = AboveRow(
                             height, walk, ratio, rotors_of(clips), design.ground, k, layout, design.seed, told=True
@@ -167,14 +167,11 @@ def conduct_above(design: AboveDesign, *, out: Path, speech: Path, noise: Path |
     OutputError
         When the rows cannot be written.
     """
-    voices = {voice.name: voice.speech for voice in load_folder(speech, RATE)}
-    chosen = [voices[name] for name in VOICES if name in voices] or list(voices.values())
+    voices = [voice.speech for voice in standard_voices(speech, RATE, max(TALKERS))]
     clips = [] if noise is None else recordings(noise)
-    if len(chosen) < 3:
-        raise ConfigError(f"{speech}: expected three talkers or more, got {len(chosen)}")
     found: list[AboveRow] = read_rows(out, [AboveRow])[1] if out.exists() else []
     with threadpool_limits(1):
-        for new in rows(design, chosen, clips, found):
+        for new in rows(design, voices, clips, found):
             names = {_key(row) for row in new}
             found = [row for row in found if _key(row) not in names] + new
             with refused_as(OutputError, f"{out}: cannot be written"), replacing(out) as path:

@@ -29,10 +29,10 @@ from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Explorer, Real, Samples
 from ross_sim.study import exploration
 from ross_sim.study.exploration import NEAR_DEG
-from ross_sim.study.mixtures import RATE, VOICES, gains, record
+from ross_sim.study.mixtures import RATE, gains, record
 from ross_sim.study.room_settings import DISTANCE, SPACING, SPEED_OF_SOUND, Setting
 from ross_sim.study.script_errors import told_by
-from ross_sim.talkers.speech import load_folder
+from ross_sim.study.talker_placement import standard_voices
 
 COUNTS = (2, 3, 4, 5)  # K
 RUN = 10.0  # of every talker, to separate [s]
@@ -144,13 +144,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--align", type=int, default=0, help="also separate so many layouts of every K > 2")
     asked = parser.parse_args(arguments)
     with told_by(parser):
-        voices = {voice.name: voice.speech for voice in load_folder(asked.speech, RATE)}
-    chosen = [voices[name] for name in VOICES if name in voices] or list(voices.values())
+        voices = [voice.speech for voice in standard_voices(asked.speech, RATE, max(COUNTS))]
     sys.stdout.write("rotations  field  K right  all right  error [deg]  elevation right  its error [deg]\n")
     with threadpool_limits(1):
         for rotations, field in product(asked.rotations, FIELDS):
             keys = list(product(COUNTS, range(asked.layouts)))
-            every = [explore(field, k, [asked.seed, k, n], chosen, rotations) for k, n in keys]
+            every = [explore(field, k, [asked.seed, k, n], voices, rotations) for k, n in keys]
             sys.stdout.write(f"{rotations:9d}  {field.name}  {row(every)}\n")
             right = [one for (k, n), one in zip(keys, every, strict=True) if k > 2 and n < asked.align and one.found]
             found = [gain for one in right for gain in aligned(one, asked.seed)] if field.above else []

@@ -24,12 +24,12 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import LiveSeparator, Real, Scene
 from ross_payload.plugin_checks import load_separator
 from ross_sim.study.live_tables import Row, appended, read_rows, tables
-from ross_sim.study.mixtures import VOICES, Mixture, aligned_heading, layouts, record, scene_of
+from ross_sim.study.mixtures import PAPER_DEG, Mixture, aligned_heading, layouts, record, scene_of
 from ross_sim.study.option_types import CommaSeparated
 from ross_sim.study.page_tables import write_page
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, check_rooms
 from ross_sim.study.script_errors import told_in_a_line
-from ross_sim.talkers.speech import load_folder
+from ross_sim.study.talker_placement import standard_voices
 
 SECONDS, SETTLED, FIRST = 10.0, 4.0, 1.0  # of a mixture, until its covariances are learnt, after a turn [s]
 WINDOW = 4.0  # learnt from [s]
@@ -186,6 +186,11 @@ def main(
     """Measure what is missing in ROWS (CSV), and print the tables."""
     with told_in_a_line():
         check_rooms(settings)
+        wrong = next((count for count in k if not 2 <= count <= len(PAPER_DEG)), None)
+        if wrong is not None:
+            raise ConfigError(f"--k: expected 2 to {len(PAPER_DEG)} talkers, got {wrong}")
+        if targets > min(k):
+            raise ConfigError(f"--targets: expected at most {min(k)}, the fewest talkers of --k, got {targets}")
         blanks = [
             Row(setting, count, layout, target, rate, seed)
             for rate in rates
@@ -210,14 +215,20 @@ def _measure(path: Path, blanks: Sequence[Row], speech: Path) -> None:
         if blank.mixture in done:
             continue
         if blank.rate not in voices:
-            by_name = {voice.name: voice.speech for voice in load_folder(speech, blank.rate)}
-            missing = [name for name in VOICES if name not in by_name]
-            if missing:
-                raise ConfigError(f"{speech}: expected the talker {missing[0]}, got {', '.join(by_name)}")
-            voices[blank.rate] = [by_name[name] for name in VOICES]
+            voices[blank.rate] = _voices(speech, blank.rate, max(each.k for each in blanks))
         recording, earlier = mixtures(blank, voices[blank.rate])
         appended(path, measured(recording, earlier, blank))
         click.echo(f"{blank.mixture}", err=True)
+
+
+def _voices(speech: Path, rate: int, least: int) -> list[Real]:
+    """So many talkers or more of a folder, (n,) each at ``rate`` [Hz], who speak long enough for `mixtures`."""
+    found, needed = standard_voices(speech, rate, least), SECONDS + EARLIER
+    for voice in found:
+        if voice.speech.size < round(needed * rate):
+            seconds = voice.speech.size / rate
+            raise ConfigError(f"talker '{voice.name}': expected at least {needed:g} s of speech, got {seconds:.1f} s")
+    return [voice.speech for voice in found]
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ from ross_payload.mission.align import ROTORS as ROTORS_SHARE
 from ross_payload.plugin_checks import load_separator
 from ross_sim.study.exploration import FRAME, NEAR_DEG, matched
 from ross_sim.study.mixtures import FRAME as LONG_FRAME
-from ross_sim.study.mixtures import HOP, LEAD_IN, RATE, VOICES
+from ross_sim.study.mixtures import HOP, LEAD_IN, RATE
 from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.noise_scenes import (
     BLADES,
@@ -50,9 +50,10 @@ from ross_sim.study.noise_scenes import (
 )
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.row_files import write_csv, write_lines
-from ross_sim.talkers.speech import load_folder
+from ross_sim.study.talker_placement import standard_voices
 
 RUN = 10.0  # [s]
+TALKERS = (1, 2, 3)
 REPORTS = 10  # of the speeds of the rotors [Hz]
 MODELS = ("learnt", "told", "white")
 SHORT, LONG = Stft(RATE, FRAME, FRAME // 4), Stft(RATE, LONG_FRAME, HOP)
@@ -75,7 +76,7 @@ class Design:
 
 def rows(design: Design, voices: Sequence[Samples], clips: Sequence[Samples]) -> Iterator[NoiseRow]:
     """Measure everything, scene by scene."""
-    places = product(design.kinds, design.snrs, design.seeds, (1, 2, 3), range(design.layouts))
+    places = product(design.kinds, design.snrs, design.seeds, TALKERS, range(design.layouts))
     for kind, snr, seed, k, layout in places:
         made = scene(k, snr, kind, voices, clips=clips, key=[seed, k, layout])
         for model in design.models:
@@ -219,8 +220,7 @@ def conduct_noise(design: Design, *, out: Path, speech: Path, noise: Path | None
     """
     if (out / "rows.csv").exists():
         raise ConfigError(f"--out {out}: holds the rows of a study already; choose another folder")
-    voices = {voice.name: voice.speech for voice in load_folder(speech, RATE)}
-    chosen = [voices[name] for name in VOICES if name in voices] or list(voices.values())
+    voices = [voice.speech for voice in standard_voices(speech, RATE, max(TALKERS))]
     clips = [] if noise is None else recordings(noise)
     if not clips:
         design = replace(design, kinds=tuple(kind for kind in design.kinds if kind != "recorded"))
@@ -229,7 +229,7 @@ def conduct_noise(design: Design, *, out: Path, speech: Path, noise: Path | None
         out.mkdir(parents=True, exist_ok=True)
         with (out / "rows.csv").open("w", newline="", encoding="utf-8") as file:
             write_csv(file, (), NoiseRow)
-            for row in rows(design, chosen, clips):
+            for row in rows(design, voices, clips):
                 write_lines(file, [row], NoiseRow)
                 file.flush()
                 found.append(row)

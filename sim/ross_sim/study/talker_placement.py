@@ -12,10 +12,10 @@ import numpy as np
 
 from ross_payload.errors import ConfigError, unknown
 from ross_payload.interfaces import Real, Samples
-from ross_sim.study.mixtures import layouts
+from ross_sim.study.mixtures import VOICES, layouts
 from ross_sim.study.room_settings import SETTINGS, Setting
 from ross_sim.study.study_design import Study, Task
-from ross_sim.talkers.speech import TalkerVoice
+from ross_sim.talkers.speech import TalkerVoice, load_folder
 from ross_sim.talkers.synthetic_voices import voices_of as read_voices
 
 FEW = 5  # voices: up to so many stand in the order in which they are named
@@ -58,6 +58,21 @@ def voices_of(source: Source) -> tuple[TalkerVoice, ...]:
             where = source.folder or "the synthetic voices"
             raise ConfigError(f"{where}: {unknown('talker', name, by_name)}")
     return tuple(by_name[name] for name in source.talkers or by_name)
+
+
+def standard_voices(folder: Path, rate: int, least: int) -> tuple[TalkerVoice, ...]:
+    """Load the talkers of `VOICES`, in this order, from a folder that has all of them; else all that it has, by name.
+
+    Raises
+    ------
+    ConfigError
+        When the folder cannot be used or has fewer than ``least`` talkers.
+    """
+    found = load_folder(folder, rate)
+    by_name = {voice.name: voice for voice in found}
+    if len(found) < least:
+        raise ConfigError(f"{folder}: expected {least} talkers or more, got {len(found)}: {', '.join(by_name)}")
+    return tuple(by_name[name] for name in VOICES) if set(VOICES) <= set(by_name) else found
 
 
 def check_voices(voices: Sequence[TalkerVoice], study: Study) -> None:
