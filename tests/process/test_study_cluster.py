@@ -91,6 +91,18 @@ def dask(program, *options):
 
 
 @contextmanager
+def worker(tmp_path, name, preload=None, *, nanny="--no-nanny"):
+    """A worker of the scheduler in this folder."""
+    own, log = tmp_path / f"{name}.py", tmp_path / f"{name}.log"
+    own.write_text(preload or "")
+    local = ("--scheduler-file", tmp_path / "scheduler.json", "--host", "127.0.0.1", "--no-dashboard")
+    named = ("--name", name, "--preload", own, "--local-directory", tmp_path)
+    with background([*dask("worker", "--nthreads", "1", nanny), *local, *named], log):
+        wait_for(lambda: "Registered to" in log.read_text(), what=log.read_text)
+        yield
+
+
+@contextmanager
 def cluster(tmp_path, *preloads, nanny="--nanny"):
     """A scheduler and a worker for every preload, None: as installed; yields the engine."""
     where = tmp_path / "scheduler.json"
@@ -100,11 +112,7 @@ def cluster(tmp_path, *preloads, nanny="--nanny"):
         stack.enter_context(background([*dask("scheduler", "--port", "0"), *local], log))
         wait_for(lambda: where.exists() and where.stat().st_size, what=log.read_text)
         for number, preload in enumerate(preloads):
-            own, log = tmp_path / f"preload_{number}.py", tmp_path / f"worker-{number}.log"
-            own.write_text(preload or "")
-            named = ("--name", f"worker-{number}", "--preload", own, "--local-directory", tmp_path)
-            stack.enter_context(background([*dask("worker", "--nthreads", "1", nanny), *local, *named], log))
-            wait_for(lambda log=log: "Registered to" in log.read_text(), what=log.read_text)
+            stack.enter_context(worker(tmp_path, f"worker-{number}", preload, nanny=nanny))
         yield json.loads(where.read_text())["address"].replace("tcp://", "dask://")
 
 
@@ -129,6 +137,23 @@ def test_a_worker_with_other_code_is_refused_and_named_and_the_others_go_on(fold
     journal = (tmp_path / "out" / "journal.jsonl").read_text().splitlines()
     assert len(journal) == TASKS
     assert all((tmp_path / "out" / name).stat().st_size for name in ROWS)
+
+
+@pytest.mark.soak
+def test_a_good_worker_that_restarts_on_another_port_goes_on_beside_a_refused_one(folder, tmp_path):
+    out, journal = tmp_path / "out", tmp_path / "out" / "journal.jsonl"
+    more = ("--layouts", "10")
+    with cluster(tmp_path, OTHER_CODE, nanny="--no-nanny") as engine:
+        command = [*ROSS, "study", "tiny.toml", "--speech", "speech", "--out", out, "--engine", engine, *more]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+        with worker(tmp_path, "first"):
+            running = subprocess.Popen([*map(str, command)], cwd=folder, **pipes)
+            wait_for(lambda: journal.exists() and journal.stat().st_size, 60)
+        with worker(tmp_path, "again"):
+            said, _ = running.communicate(timeout=120)
+    assert running.returncode == 0, said
+    assert said.count("is refused") == 1
+    assert len(journal.read_text().splitlines()) == 11 * TASKS
 
 
 @pytest.mark.soak

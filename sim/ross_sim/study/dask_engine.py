@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import signal
+import time
 import warnings
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
@@ -30,6 +31,8 @@ AHEAD = 3  # groups that are submitted, per thread of the cluster
 TOGETHER = 8  # tasks of one room in a group, at most: what is lost with a worker
 TRIES = 3  # of a task, before it counts as failed
 PATIENCE = "10s"  # for a scheduler to answer
+LOOK = 5.0  # without a result, until the client looks which workers are there [s]
+ALONE = 60.0  # that refused workers may be the only ones, while another one restarts [s]
 LOOPBACK = "127.0.0.1"
 
 
@@ -52,6 +55,14 @@ class _Refused:
 
     worker: str
     found: dict[str, Any] | str  # its own, or why it has none
+
+
+@dataclass(frozen=True, slots=True)
+class _Group:
+    """Tasks that are submitted together."""
+
+    tasks: tuple[Named, ...]
+    workers: tuple[str, ...]  # that alone may do them; none: any
 
 
 def cluster(address: str | None, workers: int, basis: Basis, say: Callable[[str], None]) -> Engine:
@@ -113,20 +124,21 @@ class _Run:
         self._tries: Counter[str] = Counter()
         self._waiting: deque[tuple[Named, ...]] = deque()
         self._window = AHEAD  # groups that are submitted at a time
+        self._alone_since: float | None = None  # since when refused workers are the only ones [s]
 
     def results(self, tasks: Sequence[Named]) -> Generator[Any]:
         """Give the results of tasks as they come; one that fails to the end gives a `Failure`."""
-        from distributed import CancelledError, as_completed
+        from distributed import CancelledError
 
         self._ask_workers()
         self._waiting.extend(grouped(tasks))
-        running: dict[Any, tuple[Named, ...]] = {}
-        arrivals = as_completed()
+        running: dict[Any, _Group] = {}
         try:
-            self._submit(running, arrivals)
-            for future in arrivals:
-                yield from self._arrived(future, running.pop(future))
-                self._submit(running, arrivals)
+            self._submit(running)
+            while running or self._waiting:
+                for future in self._done(running):
+                    yield from self._arrived(future, running.pop(future).tasks)
+                self._submit(running)
         except (CancelledError, OSError, TimeoutError) as error:
             raise OutputError(
                 f"the Dask scheduler at {self._address} is lost; what was done is kept, and the same command goes on"
@@ -135,22 +147,51 @@ class _Run:
             with contextlib.suppress(Exception):  # it may be lost, or this process about to end
                 self._client.cancel(list(running))
 
-    def _submit(self, running: dict[Any, tuple[Named, ...]], arrivals: Any) -> None:
+    def _done(self, running: dict[Any, _Group]) -> Iterable[Any]:
+        """Wait until groups are done; after a while without any, take back those that nobody who is there may do."""
+        from distributed import wait
+
+        if not running:
+            time.sleep(LOOK)
+            return ()
+        try:
+            done: set[Any] = wait(list(running), timeout=LOOK, return_when="FIRST_COMPLETED").done
+        except TimeoutError:
+            there = set(self._client.nthreads())
+        else:
+            return done
+        for future, group in list(running.items()):
+            if group.workers and not there & set(group.workers) and not future.done():
+                future.cancel()
+                self._waiting.appendleft(running.pop(future).tasks)
+        return ()
+
+    def _submit(self, running: dict[Any, _Group]) -> None:
         """Keep the workers busy with a bounded number of groups; asks who is there when half of them are done."""
         if not self._waiting or len(running) * 2 > self._window:
             return
         threads = self._client.nthreads()
-        allowed = sorted(set(threads) - set(self._refused))
-        if threads and not allowed:
-            raise self._nobody()
+        allowed = tuple(sorted(set(threads) - set(self._refused)))
+        if self._refused and not allowed:
+            self._wait_for_others(list(threads))
+            return
+        self._alone_since = None
         self._window = AHEAD * max(sum(threads[worker] for worker in allowed), 1)
-        only = allowed if self._refused else None
+        only = allowed if self._refused else ()
         while self._waiting and len(running) < self._window:
             group = self._waiting.popleft()
             work = (self._function, group, self._basis.make, self._token)
-            future = self._client.submit(_attempted, *work, pure=False, workers=only)
-            running[future] = group
-            arrivals.add(future)
+            future = self._client.submit(_attempted, *work, pure=False, workers=list(only) or None)
+            running[future] = _Group(group, only)
+
+    def _wait_for_others(self, there: Sequence[str]) -> None:
+        """Give nobody work; where refused workers are the only ones for too long, no other one will come."""
+        if not there:
+            self._alone_since = None
+        elif self._alone_since is None:
+            self._alone_since = time.monotonic()
+        elif time.monotonic() - self._alone_since > ALONE:
+            raise self._nobody()
 
     def _arrived(self, future: Any, group: tuple[Named, ...]) -> Generator[Any]:
         """Give what a group has given; what failed is tried again alone."""
