@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import sys
 import time
 from dataclasses import asdict, replace
 from functools import partial
@@ -12,11 +13,14 @@ from rich.console import Console
 
 from ross_payload.errors import ConfigError, OutputError
 from ross_sim.study import row_files, study_store, task_engine
+from ross_sim.study.missions_run import CODE
 from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, columns, decode
 from ross_sim.study.row_files import as_csv, read_rows
 from ross_sim.study.study_case import Failure
-from ross_sim.study.study_design import Task
-from ross_sim.study.study_run import Lines, measure
+from ross_sim.study.study_design import Study, Task
+from ross_sim.study.study_run import Lines, measure, study_manifest
+from ross_sim.study.study_store import FINGERPRINTED, plugin_versions, sources
+from ross_sim.study.talker_placement import Source
 
 Store = partial(study_store.Store, decode=decode)
 WANTED = {"study": {"seed": 1, "settings": ["S1", "S2"]}, "code": "abc"}
@@ -77,6 +81,55 @@ def test_a_study_goes_on_when_a_package_that_was_absent_has_been_installed(tmp_p
     for package in ("1.8", None):
         with pytest.raises(ConfigError, match=f"scikit-learn is 1.7, not {package}"), Store(tmp_path, wanted(package)):
             pass
+
+
+@pytest.fixture
+def plugin(tmp_path, monkeypatch):
+    """A separator of another distribution, as it is installed."""
+    (tmp_path / "quiet.py").write_text("separator = object()\n")
+    about = tmp_path / "quiet_separator-2.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: quiet-separator\nVersion: 2.0\n")
+    (about / "entry_points.txt").write_text("[ross_payload.separators]\nquiet = quiet:separator\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    yield tmp_path / "quiet.py"
+    sys.modules.pop("quiet", None)
+
+
+def wanted(*separators):
+    study = Study(settings=("S1",), k=(2,), separators=separators, explorers=("joint",))
+    return study_manifest(study, Source(None, (), 24000))
+
+
+def test_code_of_a_plug_in_belongs_to_a_study_and_that_of_built_in_ones_is_not_named_twice(plugin):
+    before = wanted("duet", "quiet")
+    plugin.write_text("separator = 1 * object()\n")
+    after = wanted("duet", "quiet")
+    assert before["plug-ins"]["quiet"].startswith("quiet-separator 2.0, code ")
+    assert study_store.difference(before, after).startswith("quiet is quiet-separator 2.0, code ")
+    assert "plug-ins" not in wanted("duet", "irm")
+
+
+def test_a_plug_in_in_a_package_counts_with_all_of_it(plugin):
+    package = plugin.parent / "quiet"
+    package.mkdir()
+    plugin.rename(package / "__init__.py")
+    (package / "inner.py").write_text("")
+    before = plugin_versions([("ross_payload.separators", "quiet")])
+    (package / "inner.py").write_text("LOUD = 1\n")
+    assert plugin_versions([("ross_payload.separators", "quiet")]) != before
+
+
+def test_a_plug_in_that_is_not_there_is_refused_by_name():
+    with pytest.raises(ConfigError, match="separator 'loud' is unknown"):
+        plugin_versions([("ross_payload.separators", "loud")])
+
+
+def test_a_study_depends_on_all_modules_of_ours_behind_its_rows():
+    """Configuration, the course of a turn, and what is asked of a study belong to it; the stage to missions."""
+    rows, missions = ({path.name for path in sources(code)} for code in (FINGERPRINTED, CODE))
+    assert {"mission_options.py", "motion.py", "study_design.py", "events.py", "interfaces.py"} <= rows
+    assert {"stage.py", "learning.py", "audio_health.py", "sink_runner.py", "consistency.py"} <= missions
 
 
 def test_a_folder_in_which_nothing_was_measured_can_be_taken(tmp_path):

@@ -11,6 +11,7 @@ import ross_sim
 import ross_sim.study
 from ross_payload.config import validated
 from ross_payload.voiceprint.model_folder import ModelFolder
+from ross_sim.scenario import Scenario
 from ross_sim.study.dask_engine import Basis
 from ross_sim.study.mission_design import MissionStudy, MissionTask, check_draws, mission_tasks, scenario_of
 from ross_sim.study.mission_draw import attempt_draw, voices_at
@@ -26,7 +27,8 @@ from ross_sim.study.task_engine import EngineChoice
 CODE: Code = {  # what the numbers depend on: everything that a mission in lock-step passes through
     ross_payload: (
         *(f"{room}/*.py" for room in ("config", "dsp", "localization", "separation", "alignment", "voiceprint")),
-        *(f"{room}/*.py" for room in ("mission", "actuators", "actuators/tb6600", "mount")),
+        *(f"{room}/*.py" for room in ("mission", "actuators", "actuators/*", "mount", "listening")),
+        *(f"{room}/*.py" for room in ("audio", "audio/sinks", "calibration")),
         "localization/*.json",
         "localization/*.npz",
         "separation/*.npz",
@@ -65,11 +67,23 @@ def missions_manifest(study: MissionStudy, speech: Path | None) -> dict[str, Any
     scenarios = {name: scenario_of(name, study.settings) for name in study.scenarios}
     voices = voices_at(speech, min(scenario.payload.audio.rate_hz for scenario in scenarios.values()))
     check_draws(study, voices)
-    wanted = manifest(study, heard_as(voices), CODE)
+    wanted = manifest(study, heard_as(voices), CODE, [each for one in scenarios.values() for each in _plugins(one)])
     wanted["scenarios"] = {name: scenario.model_dump(mode="json") for name, scenario in scenarios.items()}
     models, choices = ModelFolder.default(), {each.payload.voice_print.model for each in scenarios.values()}
     wanted["voice models"] = {choice: models.in_use(choice).fingerprint for choice in sorted(choices)}
     return wanted
+
+
+def _plugins(scenario: Scenario) -> list[tuple[str, str]]:
+    """Group and name of the plug-ins that a mission in a scenario uses."""
+    payload = scenario.payload
+    return [
+        ("ross_payload.explorers", payload.explore.method),
+        ("ross_payload.separators", payload.exploit.separator),
+        ("ross_payload.separators", payload.listening.separator),
+        ("ross_payload.actuators", payload.actuator.kind),
+        ("ross_sim.far_ends", payload.actuator.kind),
+    ]
 
 
 def write(store: Store[MissionResult], study: MissionStudy) -> list[Table]:

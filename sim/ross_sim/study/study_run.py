@@ -21,6 +21,7 @@ from ross_payload.plugins import install_line
 from ross_sim.study.dask_engine import Basis, cluster
 from ross_sim.study.figures import draw
 from ross_sim.study.motion_rows import MotionRow, motion_rows, motions
+from ross_sim.study.oracle_separators import ORACLES
 from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, decode
 from ross_sim.study.row_files import has_parquet, write_csv, write_parquet
 from ross_sim.study.study_case import Failure, attempt
@@ -118,7 +119,9 @@ def conduct(
 
 def study_manifest(study: Study, source: Source) -> dict[str, Any]:
     """Everything that the rows of a study depend on, as it is in this process."""
-    return manifest(study, heard_as(voices_of(source)))
+    named = [("ross_payload.explorers", name) for name in study.explorers]
+    named += [("ross_payload.separators", name) for name in study.separators if name not in ORACLES]
+    return manifest(study, heard_as(voices_of(source)), named=named)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,10 +12,11 @@ import hashlib
 import json
 import os
 import platform
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import EntryPoint, PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 from typing import IO, Any, ClassVar, Generic, Protocol, TypeVar
@@ -23,6 +24,7 @@ from typing import IO, Any, ClassVar, Generic, Protocol, TypeVar
 import ross_payload
 import ross_sim
 import ross_sim.study
+from ross_payload import plugins
 from ross_payload.atomic_files import replacing
 from ross_payload.bounded_files import parsed_json, read_bounded
 from ross_payload.config import Table
@@ -32,12 +34,12 @@ Code = dict[ModuleType, tuple[str, ...]]  # packages, and patterns of files in t
 PACKAGES = ("numpy", "scipy", "scikit-learn", "pyroomacoustics")  # what the numbers depend on
 FINGERPRINTED: Code = {  # so do these parts of the code
     ross_payload: (
-        *(f"{room}/*.py" for room in ("dsp", "localization", "separation", "alignment")),
+        *(f"{room}/*.py" for room in ("config", "dsp", "localization", "separation", "alignment")),
+        "actuators/motion.py",
         "separation/*.npz",
         "localization/*.json",
         "localization/*.npz",
-        "plugin_checks.py",
-        "angles.py",
+        *(f"{name}.py" for name in ("angles", "events", "interfaces", "plugin_checks")),
     ),
     ross_sim: ("acoustics/room.py", "acoustics/render.py", "acoustics/impulse_responses.py", "talkers/speech.py"),
     ross_sim.study: tuple(
@@ -52,6 +54,7 @@ FINGERPRINTED: Code = {  # so do these parts of the code
             "room_settings",
             "scoring",
             "study_case",
+            "study_design",
             "talker_placement",
             "turning_render",
         )
@@ -72,17 +75,61 @@ class Measured(Protocol):
 Rows = TypeVar("Rows", bound=Measured)
 
 
-def manifest(study: Table, voices: dict[str, str], code: Code = FINGERPRINTED) -> dict[str, Any]:
-    """Everything that two runs must share for their rows to be comparable."""
+def manifest(
+    study: Table, voices: dict[str, str], code: Code = FINGERPRINTED, named: Iterable[tuple[str, str]] = ()
+) -> dict[str, Any]:
+    """Everything that two runs must share for their rows to be comparable; ``named``: group and name of plug-ins.
+
+    Raises
+    ------
+    PluginError
+        When a plug-in is not there or cannot be imported.
+    """
     versions = {"python": platform.python_version()} | {name: _version(name) for name in ("ross-payload", *PACKAGES)}
     values = study.model_dump(mode="json")
-    return {"study": values, "talkers": voices, "versions": versions, "code": code_hash(code)}
+    wanted = {"study": values, "talkers": voices, "versions": versions, "code": code_hash(code)}
+    others = plugin_versions(named)
+    return wanted | ({"plug-ins": others} if others else {})
+
+
+def plugin_versions(named: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Distribution, version and fingerprint of the code of plug-ins that are not built in, by name.
+
+    Raises
+    ------
+    PluginError
+        When one is not there or cannot be imported.
+    """
+    found = {}
+    for group, name in sorted(set(named)):
+        point = plugins.available(group).get(name)
+        if point is not None and point.dist is not None and point.dist.name == plugins.PACKAGE:
+            continue
+        plugins.load(group, name)
+        point = plugins.available(group)[name]
+        told = "unknown" if point.dist is None else f"{point.dist.name} {point.dist.version}"
+        found[name] = f"{told}, code {_hash(_modules(point))}"
+    return found
+
+
+def _modules(point: EntryPoint) -> list[Path]:
+    """The module of a plug-in, or where it is in a package, all of that."""
+    spec = find_spec(point.module.partition(".")[0])
+    if spec is None:
+        return []
+    folders = [Path(folder) for folder in spec.submodule_search_locations or ()]
+    alone = [Path(spec.origin)] if spec.origin and not folders else []
+    return alone + sorted(path for folder in folders for path in folder.rglob("*.py"))
 
 
 def code_hash(code: Code = FINGERPRINTED) -> str:
     """Fingerprint of the code that the numbers depend on."""
+    return _hash(sources(code))
+
+
+def _hash(paths: Iterable[Path]) -> str:
     digest = hashlib.sha256()
-    for path in sources(code):
+    for path in paths:
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
 
