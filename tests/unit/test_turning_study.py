@@ -147,3 +147,20 @@ def test_only_scenes_that_were_explored_both_ways_are_compared():
     assert every[5].startswith("0.27 (")  # 8 s of 30
     assert every[6] == "9"
     assert every[7].startswith("0.30 (")
+
+
+def test_one_explorer_with_one_listening_time_is_never_compared_with_another_one():
+    """The second T_unit takes a third of the time in both ways, the other explorer ten times as long."""
+    short = [replace(each, unit_s=1.0, times_s=tuple(t / 3 for t in each.times_s)) for each in (*STEPS, *TURNS)]
+    other = [replace(each, explorer="other", times_s=tuple(10 * t for t in each.times_s)) for each in (*STEPS, *TURNS)]
+    (_, alone) = motions([*STEPS, *TURNS]).rows
+    mixed = {line[0]: line[1:] for line in motions([*STEPS, *TURNS, *short, *other]).rows}
+    every = [f"all, {method}, 20 deg/s" for method in ("joint, 3 s", "joint, 1 s", "other, 3 s")]
+    assert [name for name in mixed if name.startswith("all")] == every
+    assert mixed[every[0]] == alone[1:]
+    assert [mixed[name][0] for name in every] == ["30.0 ± 0.0", "10.0 ± 0.0", "300.0 ± 0.0"]
+    assert {mixed[name][4] for name in every} == {alone[5]}
+
+
+def test_without_an_exploration_step_by_step_there_is_nothing_to_compare():
+    assert motions(TURNS).rows == ()

@@ -57,6 +57,11 @@ class MotionRow:
         return self.setting, self.k, self.layout, self.seed, self.start
 
     @property
+    def method(self) -> tuple[str, float]:
+        """Who explores, and T_unit [s]."""
+        return self.explorer, self.unit_s
+
+    @property
     def end_s(self) -> float:
         """When it ends [s]."""
         return self.times_s[stopped(self.certain)]
@@ -91,20 +96,22 @@ def motion_rows(rows: Iterable[Exploration]) -> list[MotionRow]:
 
 
 def motions(rows: Sequence[MotionRow]) -> Table:
-    """A line for every room and rate, and one for all rooms."""
-    lines = []
+    """A line for every room and rate, and one for all rooms; of every explorer and T_unit where there are several."""
+    lines, several = [], len({row.method for row in rows}) > 1
     for rate in sorted({row.turning_deg_s for row in rows if row.turning_deg_s}):
-        pairs = paired(rows, rate)
-        rooms = grouped(pairs, lambda pair: pair[0].setting)
-        for name, group in [*rooms.items(), ("all", pairs)]:
-            lines.append((f"{name}, {rate:g} deg/s", *_cells(group)))
+        for (explorer, unit), pairs in grouped(paired(rows, rate), lambda pair: pair[0].method).items():
+            label = f"{explorer}, {unit:g} s, {rate:g} deg/s" if several else f"{rate:g} deg/s"
+            rooms = grouped(pairs, lambda pair: pair[0].setting)
+            for name, group in [*rooms.items(), ("all", pairs)]:
+                lines.append((f"{name}, {label}", *_cells(group)))
     return Table("Exploring without a pause", HEADER, tuple(lines), ABOUT)
 
 
 def paired(rows: Sequence[MotionRow], rate: float) -> list[tuple[MotionRow, MotionRow]]:
-    """The scenes that were explored both step by step and at a rate [deg/s]."""
-    stepping = {row.scene: row for row in rows if not row.turning_deg_s}
-    return [(stepping[row.scene], row) for row in rows if row.turning_deg_s == rate and row.scene in stepping]
+    """The scenes that one explorer explored, with one T_unit, both step by step and at a rate [deg/s]."""
+    stepping = {(row.scene, row.method): row for row in rows if not row.turning_deg_s}
+    turning = [row for row in rows if row.turning_deg_s == rate]
+    return [(stepping[key], row) for row in turning if (key := (row.scene, row.method)) in stepping]
 
 
 def _cells(pairs: Sequence[tuple[MotionRow, MotionRow]]) -> tuple[str, ...]:
