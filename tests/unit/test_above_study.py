@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import soundfile
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real, Samples
@@ -20,6 +22,7 @@ from ross_sim.study.noise_scenes import noise_of
 from ross_sim.study.page_tables import tables_of
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.row_files import as_csv, read_rows
+from ross_sim.study.row_manifest import manifest_of
 
 VOICES = [np.random.default_rng(n).standard_normal(4 * RATE).astype(np.float32) for n in range(3)]
 
@@ -146,6 +149,79 @@ def test_what_another_separator_has_measured_is_measured_again(monkeypatch: pyte
     with pytest.raises(RuntimeError):
         list(rows(replace(design, separator="mvdr"), VOICES, (), done))
     assert made == [1]
+
+
+def test_rows_of_other_settings_are_never_averaged() -> None:
+    other = [replace(each, ground=0.9, within=0, si_sdr_out_db=-9.0) for each in EXPLORED]
+    parts = [replace(EXPLORED[3], separator=name, si_sdr_out_db=out) for name, out in (("duet", 1.0), ("mvdr", 5.0))]
+    both = {line[0]: line[1:] for line in above([*EXPLORED, *other]).rows}
+    assert both["10 m, all stand, 0 dB, ground 0.5"] == above(EXPLORED).rows[0][1:]
+    assert both["10 m, all stand, 0 dB, ground 0.9"] == above(other).rows[0][1:]
+    (first, second) = above([*EXPLORED[:3], *parts]).rows
+    assert (first[0], second[0]) == ("10 m, all stand, 0 dB, duet", "10 m, all stand, 0 dB, mvdr")
+    assert (first[7], second[7]) == ("1.0", "5.0")
+    assert first[1:6] == second[1:6]
+
+
+DESIGN = AboveDesign((10.0,), (0.0,), (0.0,), 1, 0, 0.5, "gaussian", 1)
+
+
+@pytest.fixture
+def measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[AboveRow]]:
+    """Carry out a study of which nothing is computed, with talkers of noise; what the file holds then."""
+
+    def rows_of(design: AboveDesign, voices: object, clips: object, done: Sequence[AboveRow]) -> list[list[AboveRow]]:
+        wanted = [row(k=k, height_m=height, rotors="synthetic") for height in design.heights for k in (1, 2, 3)]
+        return [[each] for each in wanted if each not in done]
+
+    monkeypatch.setattr("ross_sim.study.above_study.rows", rows_of)
+
+    def conducted(design: AboveDesign = DESIGN, *, loud: float = 0.1) -> list[AboveRow]:
+        speech = tmp_path / "speech"
+        speech.mkdir(exist_ok=True)
+        for number in range(3):
+            noise = loud * np.random.default_rng(number).standard_normal(6 * RATE)
+            soundfile.write(speech / f"talker{number}.wav", noise, RATE)
+        assert conduct_above(design, out=tmp_path / "rows.csv", speech=speech, noise=None) == 0
+        return list(read_rows(tmp_path / "rows.csv", [AboveRow])[1])
+
+    return conducted
+
+
+def test_another_height_joins_the_rows_of_the_same_study(measured: Callable[..., list[AboveRow]]) -> None:
+    first = measured()
+    both = measured(replace(DESIGN, heights=(10.0, 20.0)))
+    assert both[:3] == first
+    assert [each.height_m for each in both] == [10.0] * 3 + [20.0] * 3
+
+
+@pytest.mark.parametrize(
+    ("changes", "loud", "said"),
+    [
+        ({"ground": 0.9}, 0.1, r"\(ground is 0.5, not 0.9\); choose another"),
+        ({"seed": 2}, 0.1, r"\(seed is 1, not 2\)"),
+        ({"separator": "duet"}, 0.1, r"\(separator is gaussian, not duet\)"),
+        ({}, 0.2, r"\(talker0 is \w+, not \w+\)"),
+    ],
+)
+def test_rows_of_other_voices_or_settings_are_refused_and_left_alone(
+    changes: dict[str, object], loud: float, said: str, measured: Callable[..., list[AboveRow]], tmp_path: Path
+) -> None:
+    measured()
+    before = (tmp_path / "rows.csv").read_bytes()
+    with pytest.raises(ConfigError, match=said) as refused:
+        measured(replace(DESIGN, **changes), loud=loud)  # type: ignore[arg-type]
+    assert "\n" not in str(refused.value)
+    assert (tmp_path / "rows.csv").read_bytes() == before
+
+
+def test_rows_of_which_nobody_knows_the_voices_are_refused(
+    measured: Callable[..., list[AboveRow]], tmp_path: Path
+) -> None:
+    measured()
+    manifest_of(tmp_path / "rows.csv").unlink()
+    with pytest.raises(ConfigError, match="beside it cannot be read; choose another"):
+        measured()
 
 
 def test_fewer_than_three_talkers_are_refused_in_one_line(tmp_path: Path) -> None:

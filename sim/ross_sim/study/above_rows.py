@@ -53,17 +53,35 @@ class AboveRow:
 
 
 def above(rows: Sequence[AboveRow]) -> Table:
-    """One line for every height, walk and ratio.
+    """One line for every height, walk and ratio; where there are several rotors, grounds, seeds or separators, of each.
 
     >>> above([]).rows
     ()
     """
     lines = []
-    for (height, walk, ratio), group in grouped(rows, lambda row: (row.height_m, row.walk_m_s, row.ratio_db)).items():
+    separators = [name for name in dict.fromkeys(row.separator for row in rows) if name] or [""]
+    for (height, walk, ratio, *setup), group in grouped(rows, lambda row: (*_place(row), *_setup(row))).items():
         who = "all stand" if not walk else f"all walk at {walk:g} m/s"
         noise = "rotors off" if ratio is None else f"{ratio:g} dB"
-        lines.append((f"{height:g} m, {who}, {noise}", *_cells(group)))
+        for separator in separators:
+            told = _told([*setup, separator], [*zip(*map(_setup, rows), strict=True), separators])
+            mine = [row for row in group if row.separator in ("", separator)]
+            lines.append((", ".join([f"{height:g} m", who, noise, *told]), *_cells(mine)))
     return Table("Listening from above", HEADER, tuple(lines), ABOUT)
+
+
+def _place(row: AboveRow) -> tuple[float, float, float | None]:
+    return row.height_m, row.walk_m_s, row.ratio_db
+
+
+def _setup(row: AboveRow) -> tuple[str, float, int]:
+    return row.rotors, row.ground, row.seed
+
+
+def _told(setup: Sequence[object], every: Sequence[Sequence[object]]) -> list[str]:
+    """Those values of a setup in which the rows differ, in words."""
+    words = ("{} rotors", "ground {:g}", "seed {}", "{}")
+    return [word.format(own) for word, own, values in zip(words, setup, every, strict=True) if len(set(values)) > 1]
 
 
 def _cells(rows: Sequence[AboveRow]) -> tuple[str, ...]:

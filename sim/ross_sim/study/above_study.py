@@ -38,6 +38,7 @@ from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings
 from ross_sim.study.noise_study import LONG, SHORT, TALKERS
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.row_files import as_csv, read_rows
+from ross_sim.study.row_manifest import basis_in_noise, claim
 from ross_sim.study.talker_placement import standard_voices
 
 RUN = 10.0  # [s]
@@ -163,12 +164,16 @@ def conduct_above(design: AboveDesign, *, out: Path, speech: Path, noise: Path |
     Raises
     ------
     ConfigError
-        When a folder cannot be used, or ``out`` holds something else.
+        When a folder cannot be used, or ``out`` holds something else, or rows of other talkers, rotors, ground,
+        separator or seed, or of another version.
     OutputError
         When the rows cannot be written.
     """
-    voices = [voice.speech for voice in standard_voices(speech, RATE, max(TALKERS))]
-    clips = [] if noise is None else recordings(noise)
+    talkers = standard_voices(speech, RATE, max(TALKERS))
+    voices, clips = [voice.speech for voice in talkers], [] if noise is None else recordings(noise)
+    asked = {"rotors": rotors_of(clips), "ground": design.ground, "seed": design.seed}
+    wanted = basis_in_noise(asked, talkers, clips, design.separator)
+    claim(out, wanted)
     found: list[AboveRow] = read_rows(out, [AboveRow])[1] if out.exists() else []
     with threadpool_limits(1):
         for new in rows(design, voices, clips, found):

@@ -85,11 +85,21 @@ def manifest(
     PluginError
         When a plug-in is not there or cannot be imported.
     """
+    return {"study": study.model_dump(mode="json")} | basis_of(voices, code, named)
+
+
+def basis_of(voices: dict[str, str], code: Code, named: Iterable[tuple[str, str]] = ()) -> dict[str, Any]:
+    """What rows depend on beside what is asked for: voices, versions, code, and plug-ins that are not built in.
+
+    Raises
+    ------
+    PluginError
+        When a plug-in is not there or cannot be imported.
+    """
     versions = {"python": platform.python_version()} | {name: _version(name) for name in ("ross-payload", *PACKAGES)}
-    values = study.model_dump(mode="json")
-    wanted = {"study": values, "talkers": voices, "versions": versions, "code": code_hash(code)}
     others = plugin_versions(named)
-    return wanted | ({"plug-ins": others} if others else {})
+    found = {"talkers": voices, "versions": versions, "code": code_hash(code)}
+    return found | ({"plug-ins": others} if others else {})
 
 
 def plugin_versions(named: Iterable[tuple[str, str]]) -> dict[str, str]:

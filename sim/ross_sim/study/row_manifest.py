@@ -1,0 +1,74 @@
+"""What the rows of a file depend on, kept in a file beside it: rows of other voices or settings never join them."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import ross_payload
+import ross_sim
+import ross_sim.study
+from ross_payload.atomic_files import json_text, replacing
+from ross_payload.bounded_files import parsed_json, read_bounded
+from ross_payload.errors import ConfigError, OutputError, refused_as
+from ross_payload.interfaces import Samples
+from ross_sim.study.study_store import FINGERPRINTED, Code, basis_of, difference
+from ross_sim.study.talker_placement import heard_as
+from ross_sim.talkers.speech import TalkerVoice
+
+CODE: Code = {  # behind the rows of studies in noise
+    ross_payload: (*FINGERPRINTED[ross_payload], "mission/align.py"),
+    ross_sim: ("acoustics/*.py", "noise_tables.py", "scenario.py", "talkers/speech.py"),
+    ross_sim.study: (*FINGERPRINTED[ross_sim.study], "above_*.py", "noise_*.py"),
+}
+
+
+def basis_in_noise(
+    asked: dict[str, Any], voices: Sequence[TalkerVoice], clips: Sequence[Samples], separator: str
+) -> dict[str, Any]:
+    """Everything that rows of a study in noise must share to stand in one file: ``asked`` and what it is made of.
+
+    Raises
+    ------
+    PluginError
+        When there is no such separator.
+    """
+    noise = hashlib.sha256(b"".join(clip.tobytes() for clip in clips)).hexdigest()[:16] if clips else None
+    own = basis_of(heard_as(voices), CODE, [("ross_payload.separators", separator)])
+    return {"asked": {**asked, "separator": separator}, "recorded noise": noise} | own
+
+
+def manifest_of(rows: Path) -> Path:
+    """Where it stands what the rows of a file depend on."""
+    return rows.with_name(f"{rows.name}.json")
+
+
+def claim(rows: Path, wanted: dict[str, Any]) -> None:
+    """Take a file for rows that depend on ``wanted``; write down beside it that they do.
+
+    Raises
+    ------
+    ConfigError
+        When it holds rows that depend on something else, or it is not known on what.
+    OutputError
+        When it cannot be written.
+    """
+    path = manifest_of(rows)
+    if not rows.exists():
+        with refused_as(OutputError, f"{path}: cannot be written"):
+            rows.parent.mkdir(parents=True, exist_ok=True)
+            with replacing(path) as part:
+                part.write_text(json_text(wanted), encoding="utf-8")
+        return
+    try:
+        found = parsed_json(read_bounded(path))
+    except (OSError, ValueError) as error:
+        raise ConfigError(
+            f"--out {rows}: holds rows, but {path.name} beside it cannot be read; choose another"
+        ) from error
+    other = difference(found, json.loads(json_text(wanted)))
+    if other:
+        raise ConfigError(f"--out {rows}: holds rows of another study ({other}); choose another")
