@@ -1,12 +1,14 @@
 """Tables of the manual: those with rows are what the rows give, and the others say where they come from."""
 
+import errno
+import os
 import re
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, OutputError
 from ross_sim.study.command import command
 from ross_sim.study.live_tables import Row, appended, tables
 from ross_sim.study.page_tables import BLOCK, tables_of, with_tables, write_page
@@ -48,6 +50,44 @@ def page(tmp_path):
     page = tmp_path / "page.md"
     page.write_text("before\n<!-- rows: rows.csv, table: live -->\nold\n<!-- rows: end -->\nafter\n")
     return page
+
+
+def test_a_file_that_was_cut_short_in_its_last_row_is_refused_in_one_line(tmp_path):
+    whole, path = (DOCS / "explanation" / "noise.csv").read_bytes(), tmp_path / "rows.csv"
+    for cut in range(whole.rindex(b"\n", 0, -1) + 2, len(whole)):
+        path.write_bytes(whole[:cut])
+        with pytest.raises(ConfigError, match="was the file cut short") as refused:
+            tables_of(path)
+        assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda text: text + "S1,3\n", "line 3: expected 16 cells, got 2"),
+        (lambda text: text.replace("auto", "auto,5"), "line 2: expected 16 cells, got 17"),
+        (lambda text: text.replace("auto", '"auto'), "expected the rows of a study: line 2"),
+    ],
+)
+def test_a_row_with_other_cells_than_there_are_names_is_refused(page, change, words):
+    rows = page.parent / "rows.csv"
+    rows.write_text(change(rows.read_text()))
+    with pytest.raises(ConfigError, match=words):
+        tables_of(rows)
+
+
+def test_rows_of_live_separation_are_added_whole_or_not_at_all(page, monkeypatch):
+    rows = page.parent / "rows.csv"
+    before = rows.read_bytes()
+    monkeypatch.setattr(Path, "replace", full)
+    with pytest.raises(OutputError, match="cannot be written: No space left"):
+        appended(rows, [ROW])
+    assert rows.read_bytes() == before
+    assert [path.name for path in page.parent.iterdir() if "part" in path.name] == []
+
+
+def full(*_):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def test_a_table_takes_the_place_of_the_old_one_and_nothing_else_changes(page):

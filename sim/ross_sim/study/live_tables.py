@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import partial
@@ -10,7 +11,9 @@ from pathlib import Path
 from statistics import mean, median
 from typing import Any
 
-from ross_payload.errors import ConfigError
+from ross_payload.atomic_files import replacing
+from ross_payload.errors import ConfigError, OutputError, refused_as
+from ross_sim.study.row_files import csv_lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,18 +44,26 @@ class Row:
 
 
 def appended(path: Path, rows: Iterable[Row]) -> None:
-    """Append all rows of a mixture at once, with a heading to a new file."""
-    made, names = list(rows), [field.name for field in fields(Row)]
-    path.parent.mkdir(parents=True, exist_ok=True)
-    new = not path.exists()
-    with path.open("a", newline="") as file:
-        writer = csv.DictWriter(file, names, lineterminator="\n")
-        if new:
-            writer.writeheader()
-        writer.writerows(
-            {name: round(value, 3) if isinstance(value, float) else value for name, value in asdict(row).items()}
-            for row in made
-        )
+    """Append all rows of a mixture at once, or none, with a heading to a new file.
+
+    Raises
+    ------
+    OutputError
+        When they cannot be written.
+    """
+    names, text = [field.name for field in fields(Row)], io.StringIO(newline="")
+    writer = csv.DictWriter(text, names, lineterminator="\n")
+    if not path.exists():
+        writer.writeheader()
+    writer.writerows(
+        {name: round(value, 3) if isinstance(value, float) else value for name, value in asdict(row).items()}
+        for row in rows
+    )
+    with refused_as(OutputError, f"{path}: cannot be written"):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        before = path.read_bytes() if path.exists() else b""
+        with replacing(path) as part:
+            part.write_bytes(before + text.getvalue().encode())
 
 
 def read_rows(path: Path) -> list[Row]:
@@ -64,8 +75,7 @@ def read_rows(path: Path) -> list[Row]:
         When it is something else.
     """
     try:
-        with path.open(newline="") as file:
-            return [_row(line) for line in csv.DictReader(file)]
+        return [_row(line) for line in csv_lines(path)[1]]
     except (OSError, ValueError, TypeError) as error:
         raise ConfigError(f"{path}: expected rows of the study of live separation: {error}") from error
 

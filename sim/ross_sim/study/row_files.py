@@ -59,9 +59,7 @@ def read_rows(path: Path, kinds: Sequence[type[Any]]) -> tuple[type[Any], list[A
         if path.suffix == ".parquet":
             names, lines = _parquet(path)
         else:
-            with path.open(newline="", encoding="utf-8") as file:
-                reader = csv.DictReader(file)
-                names, lines = tuple(reader.fieldnames or ()), list(reader)
+            names, lines = csv_lines(path)
         kind = next((kind for kind in kinds if columns(kind) == names), None)
         if kind is None:
             raise ConfigError(f"{path}: expected the rows of a study, got columns {', '.join(names[:4]) or 'none'} ...")
@@ -69,6 +67,32 @@ def read_rows(path: Path, kinds: Sequence[type[Any]]) -> tuple[type[Any], list[A
         return kind, [kind(**{name: _value(hints[name], line[name]) for name in names}) for line in lines]
     except (OSError, UnicodeError, ValueError, TypeError) as error:
         raise ConfigError(f"{path}: expected the rows of a study: {error}") from error
+
+
+def csv_lines(path: Path) -> tuple[tuple[str, ...], list[dict[str, str]]]:
+    """Names of the columns of a CSV file, and its cells by name, one mapping for every row.
+
+    Raises
+    ------
+    ConfigError
+        When it was cut short: a row has not as many cells as there are names, or the last one does not end.
+    OSError, UnicodeError, ValueError
+        When it cannot be read.
+    """
+    text, lines = path.read_bytes().decode("utf-8"), []
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    try:
+        names = tuple(next(reader, ()))
+        for cells in filter(None, reader):
+            if len(cells) != len(names):
+                where = f"{path}, line {reader.line_num}"
+                raise ConfigError(f"{where}: expected {len(names)} cells, got {len(cells)}; was the file cut short?")
+            lines.append(dict(zip(names, cells, strict=True)))
+    except csv.Error as error:
+        raise ValueError(f"line {reader.line_num}: {error}") from error
+    if text and not text.endswith("\n"):
+        raise ConfigError(f"{path}: expected a line feed after the last row, got none; was the file cut short?")
+    return names, lines
 
 
 def _parquet(path: Path) -> tuple[tuple[str, ...], list[dict[str, Any]]]:
