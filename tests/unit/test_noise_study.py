@@ -1,15 +1,20 @@
 """Scenes in the noise of a vehicle, and the table that is made of them."""
 
+from dataclasses import replace
+
+import click
 import numpy as np
 import pytest
 import soundfile
 
 from ross_payload.errors import ConfigError
-from ross_sim.study import noise_scenes
+from ross_sim.study import noise_scenes, noise_study
+from ross_sim.study.command import command
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings, scene
 from ross_sim.study.noise_study import SHORT, Design, conduct_noise, tonal_of
+from ross_sim.study.row_files import read_rows
 
 VOICES = [np.random.default_rng(n).standard_normal(4 * RATE).astype(np.float32) for n in range(3)]
 
@@ -84,12 +89,92 @@ def test_the_table_keeps_lone_talkers_apart():
     )
 
 
-def test_rows_that_are_there_are_not_written_over(tmp_path):
+DESIGN = Design(("synthetic",), (0.0,), 1, (1,), separator="gaussian")
+
+
+@pytest.fixture
+def speech(tmp_path):
+    folder = tmp_path / "speech"
+    folder.mkdir()
+    for number in range(3):
+        soundfile.write(
+            folder / f"talker{number}.wav", 0.1 * np.random.default_rng(number).standard_normal(144000), RATE
+        )
+    return folder
+
+
+@pytest.fixture
+def cases(monkeypatch):
+    """Carry out a study of which nothing is computed; the scenes and models that are asked for."""
+    asked = []
+
+    def explored(row, made):
+        asked.append((row.k, row.model))
+        if len(asked) == asked_until[0]:
+            raise KeyboardInterrupt
+        return replace(row, k_found=row.k, within=row.k)
+
+    asked_until = [0]
+    monkeypatch.setattr(noise_study, "scene", lambda *about, **more: None)
+    monkeypatch.setattr(noise_study, "separated", lambda row, *about: [replace(row, target=0)])
+    monkeypatch.setattr(noise_study, "explored", explored)
+    return asked, asked_until
+
+
+def test_rows_that_are_there_are_not_written_over(tmp_path, speech):
     (tmp_path / "rows.csv").write_text("hours of work")
-    design = Design(("synthetic",), (0.0,), 1, (1,))
-    with pytest.raises(ConfigError, match="holds the rows of a study already"):
-        conduct_noise(design, out=tmp_path, speech=tmp_path, noise=None)
+    with pytest.raises(ConfigError, match="holds rows, but"):
+        conduct_noise(DESIGN, out=tmp_path, speech=speech, noise=None)
     assert (tmp_path / "rows.csv").read_text() == "hours of work"
+
+
+def test_a_study_that_was_stopped_goes_on_and_has_the_rows_of_one_done_at_once(tmp_path, speech, cases):
+    asked, until = cases
+    assert conduct_noise(DESIGN, out=tmp_path / "whole", speech=speech, noise=None) == 0
+    every = list(asked)
+    until[0] = len(asked) + 4
+    with pytest.raises(KeyboardInterrupt):
+        conduct_noise(DESIGN, out=tmp_path / "out", speech=speech, noise=None)
+    assert len(read_rows(tmp_path / "out" / "rows.csv", [NoiseRow])[1]) == 2 * 3
+    asked.clear()
+    assert conduct_noise(DESIGN, out=tmp_path / "out", speech=speech, noise=None) == 0
+    assert asked == every[3:]
+    for name in ("rows.csv", "table.md"):
+        assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
+
+
+def test_another_study_is_refused_and_the_rows_stay(tmp_path, speech, cases):
+    conduct_noise(DESIGN, out=tmp_path / "out", speech=speech, noise=None)
+    before = (tmp_path / "out" / "rows.csv").read_bytes()
+    with pytest.raises(ConfigError, match=r"holds rows of another study \(snrs is 0.0, not -5.0\)"):
+        conduct_noise(replace(DESIGN, snrs=(-5.0,)), out=tmp_path / "out", speech=speech, noise=None)
+    assert (tmp_path / "out" / "rows.csv").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--separator", "nobody"], "separator 'nobody' is unknown"),
+        (["--snr", "nan"], "expected finite numbers from -100 to 100 separated by commas, got 'nan'"),
+        (["--snr", "1e308"], "expected finite numbers from -100 to 100 separated by commas, got '1e308'"),
+        (["--snr", ""], "expected finite numbers from -100 to 100 separated by commas, got none"),
+        (["--seed", "-1"], "expected whole numbers of at least 0 separated by commas, got '-1'"),
+        (["--seed", f"-{'9' * 401}"], "expected whole numbers of at least 0 separated by commas"),
+        (["--seed", "1,2,1"], "expected every value once, got '1' more than once"),
+        (["--kinds", "recorded"], "--kinds: expected --noise DIR with recorded, got none"),
+        (["--kinds", ""], "expected names separated by commas, got none"),
+        (["--kinds", "wind,storm"], "noise 'storm' is unknown"),
+        (["--models", ""], "expected names separated by commas, got none"),
+    ],
+)
+def test_bad_input_is_told_before_there_is_a_folder(tmp_path, speech, options, said):
+    arguments = ["noise", "--out", str(tmp_path / "out"), "--speech", str(speech), *options]
+    with pytest.raises((ConfigError, click.UsageError)) as refused:
+        command.main(arguments, standalone_mode=False)
+    words = refused.value.format_message() if isinstance(refused.value, click.UsageError) else str(refused.value)
+    assert said in words
+    assert "\n" not in words
+    assert not (tmp_path / "out").exists()
 
 
 def test_speeds_are_known_of_rotors_that_are_made_alone():

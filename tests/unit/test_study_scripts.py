@@ -50,7 +50,9 @@ MISTAKES = [
     ),
     pytest.param(predicted_gain_study.main, ["--speech", "{none}"], "none", id="predicted_gain_study"),
     pytest.param(predicted_gain_study.main, ["--rooms", "S9"], "room 'S9' is unknown", id="room"),
-    pytest.param(predicted_gain_study.main, ["--k", "three"], "'three' is not a list of int", id="k"),
+    pytest.param(
+        predicted_gain_study.main, ["--k", "three"], "expected whole numbers separated by commas, got 'three'", id="k"
+    ),
     pytest.param(live_separation.main, ["{out}", "--speech", "{none}"], "none", id="live_separation"),
     pytest.param(live_separation.main, ["{out}"], "expected rows of the study", id="no rows"),
     pytest.param(live_separation.main, ["{out}", "--settings", "S1,S9"], "room 'S9' is unknown", id="setting"),

@@ -14,6 +14,7 @@ from ross_sim.study.option_types import CommaSeparated, EngineName, ShardNumber
 
 DEFAULT = "separators"
 LOWEST, HIGHEST, FASTEST = 1.0, 100.0, 3.0  # of listening from above [m], [m/s]
+LOUDEST = 100.0  # of talkers over noise, or noise over talkers [dB]
 EPILOG = """Without a preset or FILE.toml: quick. A study that was stopped goes on when the same command is given again.
 
 ross study missions flies whole missions, ross study benchmark compares methods on fixed public scenes, ross study
@@ -92,12 +93,16 @@ def command() -> None:
 @click.option("--k", type=CommaSeparated(int), help="Numbers of talkers.")
 @click.option("--layouts", type=click.IntRange(min=0), help="Random layouts, beside the paper's.")
 @click.option("--starts", type=click.IntRange(1, 180), help="Start headings over half a turn.")
-@click.option("--separators", type=CommaSeparated(), help="Separators and oracles (irm, mwf, tvmwf); '' for none.")
+@click.option(
+    "--separators", type=CommaSeparated(empty=True), help="Separators and oracles (irm, mwf, tvmwf); '' for none."
+)
 @click.option("--noise", type=CommaSeparated(), help="Noise PSD to the separators: known, unknown or both.")
-@click.option("--explorers", type=CommaSeparated(), help="Explorers; '' for none: true azimuths only.")
+@click.option("--explorers", type=CommaSeparated(empty=True), help="Explorers; '' for none: true azimuths only.")
 @click.option("--t-unit", "unit_s", type=CommaSeparated(float), help="T_unit [s].")
 @click.option(
-    "--rotations", type=CommaSeparated(_schedule), help="Numbers of rotations, or stop: the explorer's own rule."
+    "--rotations",
+    type=CommaSeparated(_schedule, "whole numbers or stop"),
+    help="Numbers of rotations, or stop: the explorer's own rule.",
 )
 @click.option(
     "--turning", "turning_deg_s", type=CommaSeparated(float), help="Turn without a pause [deg/s]; 0: step by step."
@@ -105,7 +110,7 @@ def command() -> None:
 @click.option("--tell-k", is_flag=True, default=None, help="Tell the explorer K (joint only).")
 @click.option("--rules", help="Where to turn: best (predicted gain), or paper (its equations).")
 @click.option(
-    "--talkers", type=CommaSeparated(), help="Names in the folder; default: all. Up to five keep their order."
+    "--talkers", type=CommaSeparated(empty=True), help="Names in the folder; default: all. Up to five keep their order."
 )
 def separators(
     preset: str,
@@ -136,7 +141,7 @@ def separators(
 @click.option(
     "--scenarios", type=CommaSeparated(), help="Scenarios by name or path, or rooms: living-room,S1,B0.45,..."
 )
-@click.option("--k", type=CommaSeparated(int), help="Numbers of talkers; default: the scenario's.")
+@click.option("--k", type=CommaSeparated(int, empty=True), help="Numbers of talkers; default: the scenario's.")
 @click.option("--places", type=click.Choice(["drawn", "written"]), help="Random azimuths, or those of the scenario.")
 @click.option("--targets", type=CommaSeparated(), help="Whether the target is in the room: present,absent.")
 @click.option("--draws", type=click.IntRange(1, 10000), help="How often to fly; every draw has other talkers.")
@@ -189,9 +194,16 @@ def calibration(**asked: Any) -> int:
     "--noise", type=click.Path(path_type=Path), help="Folder of recorded propellers; default: made ones only."
 )
 @click.option(
-    "--kinds", type=CommaSeparated(), default="synthetic,recorded", help="synthetic, drifting, recorded, wind."
+    "--kinds",
+    type=CommaSeparated(),
+    help="synthetic, drifting, recorded, wind; default: synthetic, recorded if --noise.",
 )
-@click.option("--snr", type=CommaSeparated(float), default="0,-5,-10", help="Talkers over noise at microphone 1 [dB].")
+@click.option(
+    "--snr",
+    type=CommaSeparated(float, low=-LOUDEST, high=LOUDEST),
+    default="0,-5,-10",
+    help="Talkers over noise at microphone 1 [dB].",
+)
 @click.option("--layouts", type=click.IntRange(1, 1000), default=3, help="Of every K from 1 to 3.")
 @click.option(
     "--models",
@@ -201,23 +213,30 @@ def calibration(**asked: Any) -> int:
 )
 @click.option("--separator", default="refined", help="Name of a separator.")
 @click.option("--only", type=click.Choice(["explore", "separate"]), help="One half of it.")
-@click.option("--seed", type=CommaSeparated(int), default="1", help="Seeds of everything random, one after the other.")
+@click.option(
+    "--seed", type=CommaSeparated(int, low=0), default="1", help="Seeds of everything random, one after the other."
+)
 def noise_study(*, out: Path, speech: Path, noise: Path | None, only: str | None, **axes: Any) -> int:
     """Measure finding and separating among rotors and in wind: noise x ratio x K x layouts.
 
-    Exit codes: 0 done, 2 bad input.
+    A study that was stopped goes on when the same command is given again.
+
+    Exit codes: 0 done, 1 the rows cannot be written, 2 bad input, 130 stopped by the user.
     """
     from ross_sim.study.noise_scenes import KINDS
     from ross_sim.study.noise_study import MODELS, Design, conduct_noise
 
-    wrong = next((kind for kind in axes["kinds"] if kind not in KINDS), None)
+    kinds = axes["kinds"] or (("synthetic",) if noise is None else ("synthetic", "recorded"))
+    wrong = next((kind for kind in kinds if kind not in KINDS), None)
     if wrong is not None:
         raise ConfigError(f"--kinds: {unknown('noise', wrong, KINDS)}")
     unlike = next((model for model in axes["models"] if model not in MODELS), None)
     if unlike is not None:
         raise ConfigError(f"--models: {unknown('model', unlike, MODELS)}")
+    if "recorded" in kinds and noise is None:
+        raise ConfigError("--kinds: expected --noise DIR with recorded, got none")
     design = Design(
-        axes["kinds"],
+        kinds,
         axes["snr"],
         axes["layouts"],
         axes["seed"],
@@ -265,7 +284,10 @@ def status(folder: Path) -> int:
 @click.option("--noise", type=click.Path(path_type=Path), help="Folder of recorded propellers; default: made ones.")
 @click.option("--heights", type=CommaSeparated(float), default="5,10,20", help="Of the array above the mouths [m].")
 @click.option(
-    "--ratios", type=CommaSeparated(_ratio), default="off,10,0,-5,-10", help="Talkers over rotors [dB], or off."
+    "--ratios",
+    type=CommaSeparated(_ratio, f"numbers from {-LOUDEST:g} to {LOUDEST:g}, or off,", low=-LOUDEST, high=LOUDEST),
+    default="off,10,0,-5,-10",
+    help="Talkers over rotors [dB], or off.",
 )
 @click.option(
     "--walks", type=CommaSeparated(float), default="0", help="Walking speed of the talkers [m/s]; 0: they stand."

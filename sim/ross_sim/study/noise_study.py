@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 from pathlib import Path
 
@@ -19,13 +19,14 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ross_payload.alignment.plan import Turn, plan
+from ross_payload.atomic_files import replacing
 from ross_payload.dsp.ego_noise import learnt
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.rotor_tones import tones
 from ross_payload.dsp.steering import tdoa
 from ross_payload.dsp.stft import Stft
-from ross_payload.errors import ConfigError, OutputError, refused_as
+from ross_payload.errors import OutputError, refused_as
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Marks, Observation, Real, Samples, Scene
 from ross_payload.localization.joint import Joint
@@ -49,7 +50,8 @@ from ross_sim.study.noise_scenes import (
     scene,
 )
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
-from ross_sim.study.row_files import write_csv, write_lines
+from ross_sim.study.row_files import as_csv, read_rows
+from ross_sim.study.row_manifest import basis_in_noise, claim
 from ross_sim.study.talker_placement import standard_voices
 
 RUN = 10.0  # [s]
@@ -74,17 +76,26 @@ class Design:
     separate: bool = True
 
 
-def rows(design: Design, voices: Sequence[Samples], clips: Sequence[Samples]) -> Iterator[NoiseRow]:
-    """Measure everything, scene by scene."""
+def rows(
+    design: Design, voices: Sequence[Samples], clips: Sequence[Samples], done: Sequence[NoiseRow] = ()
+) -> Iterator[list[NoiseRow]]:
+    """Measure everything that is not ``done``: all rows of one scene and model at a time."""
+    there = {_case(row) for row in done}
     places = product(design.kinds, design.snrs, design.seeds, TALKERS, range(design.layouts))
     for kind, snr, seed, k, layout in places:
+        blanks = [NoiseRow(kind, model, snr, k, layout, seed) for model in design.models]
+        left = [row for row in blanks if _case(row) not in there]
+        if not left:
+            continue
         made = scene(k, snr, kind, voices, clips=clips, key=[seed, k, layout])
-        for model in design.models:
-            row = NoiseRow(kind, model, snr, k, layout, seed)
-            if design.explore:
-                yield explored(row, made)
-            if design.separate:
-                yield from separated(row, made, clips, design.separator)
+        for row in left:
+            found = [explored(row, made)] if design.explore else []
+            yield [*found, *(separated(row, made, clips, design.separator) if design.separate else ())]
+
+
+def _case(row: NoiseRow) -> tuple[object, ...]:
+    """Scene and model of a row."""
+    return row.noise, row.model, row.snr_db, row.k, row.layout, row.seed
 
 
 def explored(row: NoiseRow, made: NoiseScene) -> NoiseRow:
@@ -209,31 +220,32 @@ def _scene(
 
 
 def conduct_noise(design: Design, *, out: Path, speech: Path, noise: Path | None) -> int:
-    """Measure, write ``rows.csv`` and ``table.md`` into ``out``, and print the table.
+    """Measure what is left, write ``rows.csv`` and ``table.md`` into ``out``, and print the table.
 
     Raises
     ------
     ConfigError
-        When a folder cannot be used, or ``out`` holds rows already.
+        When a folder or the separator cannot be used, there are no recordings of noise that is recorded, or ``out``
+        holds the rows of another study.
     OutputError
         When a file cannot be written.
     """
-    if (out / "rows.csv").exists():
-        raise ConfigError(f"--out {out}: holds the rows of a study already; choose another folder")
-    voices = [voice.speech for voice in standard_voices(speech, RATE, max(TALKERS))]
-    clips = [] if noise is None else recordings(noise)
-    if not clips:
-        design = replace(design, kinds=tuple(kind for kind in design.kinds if kind != "recorded"))
-    found: list[NoiseRow] = []
-    with threadpool_limits(1), refused_as(OutputError, f"{out}: cannot be written"):
-        out.mkdir(parents=True, exist_ok=True)
-        with (out / "rows.csv").open("w", newline="", encoding="utf-8") as file:
-            write_csv(file, (), NoiseRow)
-            for row in rows(design, voices, clips):
-                write_lines(file, [row], NoiseRow)
-                file.flush()
-                found.append(row)
-        text = noises(found).body() + "\n"
-        (out / "table.md").write_text(text, encoding="utf-8")
+    talkers = standard_voices(speech, RATE, max(TALKERS))
+    voices, clips = [voice.speech for voice in talkers], [] if noise is None else recordings(noise)
+    path, asked = out / "rows.csv", asdict(design)
+    wanted = basis_in_noise(asked, talkers, clips, asked.pop("separator"))
+    claim(path, wanted)
+    found: list[NoiseRow] = read_rows(path, [NoiseRow])[1] if path.exists() else []
+    with threadpool_limits(1):
+        for new in rows(design, voices, clips, found):
+            found += new
+            _write(path, as_csv(found, NoiseRow))
+    text = noises(found).body() + "\n"
+    _write(out / "table.md", text.encode())
     sys.stdout.write(text)
     return 0
+
+
+def _write(path: Path, content: bytes) -> None:
+    with refused_as(OutputError, f"{path}: cannot be written"), replacing(path) as part:
+        part.write_bytes(content)

@@ -2,29 +2,61 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 from urllib.parse import urlsplit
 
 import click
 
 SCHEMES = {"dask": "tcp", "dask+tls": "tls"}  # of the address of a scheduler, and what Dask calls them
+WORDS: dict[Any, str] = {str: "names", int: "whole numbers", float: "finite numbers"}  # for a kind of values
 
 
 class CommaSeparated(click.ParamType[Any]):
-    """Values separated by commas."""
+    """Values separated by commas, each once.
+
+    Parameters
+    ----------
+    kind
+        Makes a value of its text; raises ValueError when that is none.
+    what
+        Says what the values are; default: as ``kind`` and limits tell.
+    low, high
+        Least and largest number; all must be finite.
+    empty
+        Whether there may be none.
+    """
 
     name = "A,B,..."
 
-    def __init__(self, kind: Any = str) -> None:
-        self._kind = kind
+    def __init__(
+        self, kind: Any = str, what: str = "", *, low: float = -math.inf, high: float = math.inf, empty: bool = False
+    ) -> None:
+        self._kind, self._low, self._high, self._empty = kind, low, high, empty
+        limits = ""
+        if math.isfinite(low):
+            limits = f" from {low:g} to {high:g}" if math.isfinite(high) else f" of at least {low:g}"
+        self._what = what or f"{WORDS[kind]}{limits}"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Split and convert."""
         parts = [part.strip() for part in str(value).split(",") if part.strip()]
         try:
-            return tuple(self._kind(part) for part in parts)
+            found = tuple(map(self._value, parts))
         except ValueError:
-            return self.fail(f"'{value}' is not a list of {self._kind.__name__} separated by commas", param, ctx)
+            return self.fail(f"expected {self._what} separated by commas, got '{value}'", param, ctx)
+        if not found and not self._empty:
+            return self.fail(f"expected {self._what} separated by commas, got none", param, ctx)
+        twice = next((part for part, each in zip(parts, found, strict=True) if found.count(each) > 1), None)
+        if twice is not None:
+            return self.fail(f"expected every value once, got '{twice}' more than once", param, ctx)
+        return found
+
+    def _value(self, part: str) -> Any:
+        value = self._kind(part)
+        if isinstance(value, int | float) and not (self._low <= value <= self._high and abs(value) < math.inf):
+            raise ValueError(part)
+        return value
 
 
 class ShardNumber(click.ParamType[Any]):

@@ -29,13 +29,8 @@ def as_csv(rows: Iterable[Any], kind: type[Any]) -> bytes:
 
 def write_csv(file: TextIO, rows: Iterable[Any], kind: type[Any]) -> None:
     """Write rows as CSV, one after the other; see `as_csv`."""
-    csv.writer(file, lineterminator="\n").writerow(columns(kind))
-    write_lines(file, rows, kind)
-
-
-def write_lines(file: TextIO, rows: Iterable[Any], kind: type[Any]) -> None:
-    """Write more rows of a file that `write_csv` began."""
     writer, names = csv.writer(file, lineterminator="\n"), columns(kind)
+    writer.writerow(names)
     writer.writerows([_cell(getattr(row, name)) for name in names] for row in rows)
 
 

@@ -15,6 +15,7 @@ from ross_payload.atomic_files import json_text, replacing
 from ross_payload.bounded_files import parsed_json, read_bounded
 from ross_payload.errors import ConfigError, OutputError, refused_as
 from ross_payload.interfaces import Samples
+from ross_payload.plugin_checks import load_separator
 from ross_sim.study.study_store import FINGERPRINTED, Code, basis_of, difference
 from ross_sim.study.talker_placement import heard_as
 from ross_sim.talkers.speech import TalkerVoice
@@ -34,8 +35,9 @@ def basis_in_noise(
     Raises
     ------
     PluginError
-        When there is no such separator.
+        When there is no such separator, or it is none.
     """
+    load_separator(separator)
     noise = hashlib.sha256(b"".join(clip.tobytes() for clip in clips)).hexdigest()[:16] if clips else None
     own = basis_of(heard_as(voices), CODE, [("ross_payload.separators", separator)])
     return {"asked": {**asked, "separator": separator}, "recorded noise": noise} | own
