@@ -12,10 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import soundfile
+from click.testing import CliRunner
 
 from command_line import called, called_once
 from manual import block
 from ross_payload.dsp.metrics import si_sdr
+from ross_sim.study.benchmark import scene_list
 from ross_sim.study.benchmark.benchmark_rows import BenchmarkLocalization, BenchmarkSeparation
 from ross_sim.study.benchmark.recordings import RATE, Recording, described, found, sha256
 from ross_sim.study.benchmark.scene_list import FILES, ROOMS, RoomLine, drawn, read_list, write_list
@@ -282,6 +284,7 @@ def test_azimuths_are_right_in_any_order_and_wrong_with_one_too_many(audio, tmp_
         (("azimuths.json", lambda p: p.write_text('{"S1": [1]}')), "that end with '-turning', got 'S1'"),
         (("azimuths.json", lambda p: p.write_text(f'{{"{TURN}": 1}}')), "expected a list of at most 20 azimuths"),
         (("azimuths.json", lambda p: p.write_text(f'{{"{TURN}": ["1"]}}')), "expected a list of at most 20 azimuths"),
+        (("azimuths.json", lambda p: p.write_text(f'{{"{TURN}": [{"9" * 401}]}}')), "expected a list of at most 20"),
     ],
 )
 def test_estimates_that_do_not_fit_are_refused_in_one_line(audio, tmp_path, ross, written, words):
@@ -292,6 +295,55 @@ def test_estimates_that_do_not_fit_are_refused_in_one_line(audio, tmp_path, ross
     assert (code, printed, errors.count("\n")) == (2, "", 1)
     assert words in errors
     assert not (tmp_path / "rows").exists()
+
+
+def test_scores_of_other_scenes_are_not_mixed(audio, tmp_path, ross):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "azimuths.json").write_text(json.dumps({TURN: []}))
+    assert scored(ross, audio, tmp_path / "mine", tmp_path / "rows")[0] == 0
+    before = {path.name: path.read_bytes() for path in (tmp_path / "rows").iterdir()}
+    other = tmp_path / "audio"
+    shutil.copytree(audio, other)
+    for change, words in (({"quick": True}, "quick is False, not True"), ({"list": "abc"}, "not abc")):
+        (other / "benchmark.json").write_text(json.dumps(json_file(audio / "benchmark.json") | change))
+        code, printed, errors = scored(ross, other, tmp_path / "mine", tmp_path / "rows")
+        assert (code, printed, errors.count("\n")) == (2, "", 1)
+        assert "holds scores of other scenes" in errors
+        assert words in errors
+        assert {path.name: path.read_bytes() for path in (tmp_path / "rows").iterdir()} == before
+    (tmp_path / "rows" / "scenes.json").unlink()
+    code, _, errors = scored(ross, audio, tmp_path / "mine", tmp_path / "rows")
+    assert (code, errors.count("\n")) == (2, 1)
+    assert "scenes.json: expected what the scores beside it are of" in errors
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        ("benchmark.json", {"scenes": 5}, "benchmark.json: scenes: expected a list of names, got 5"),
+        ("benchmark.json", {"scenes": [5]}, "benchmark.json: scenes: expected a list of names, got [5]"),
+        (f"{K3[0]}/scene.json", {"target": None}, "scene.json: target: expected"),
+        (f"{K3[0]}/scene.json", {"target": 7}, "target: expected one of 3 talkers, got 7"),
+        (f"{K3[0]}/scene.json", {"rate_hz": "fast"}, "scene.json: rate_hz: expected"),
+        (f"{TURN}/truth.json", {"azimuths_deg": 3}, "truth.json: azimuths_deg: expected"),
+    ],
+)
+def test_audio_that_somebody_changed_is_refused_in_one_line(audio, tmp_path, ross, damage):
+    file, change, words = damage
+    shutil.copytree(audio, tmp_path / "audio")
+    (tmp_path / "audio" / file).write_text(json.dumps(json_file(audio / file) | change))
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "azimuths.json").write_text(json.dumps({TURN: []}))
+    code, printed, errors = scored(ross, tmp_path / "audio", tmp_path / "mine", tmp_path / "rows")
+    assert (code, printed, errors.count("\n")) == (2, "", 1)
+    assert words in errors
+    assert not (tmp_path / "rows").exists()
+
+
+def test_a_list_is_not_drawn_for_a_folder_that_is_not_there(tmp_path):
+    done = CliRunner().invoke(scene_list.main, [str(tmp_path / "none")])
+    assert (done.exit_code, done.output.count("\n")) == (2, 1)
+    assert "expected the rows of a study" in done.output
 
 
 @pytest.mark.soak

@@ -20,7 +20,7 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload.atomic_files import PART, json_text, replacing
 from ross_payload.bounded_files import parsed_json, read_bounded
-from ross_payload.errors import ConfigError, OutputError, refused_as
+from ross_payload.errors import ConfigError, OutputError, refused_as, shown
 from ross_payload.interfaces import Real, Samples
 from ross_sim.acoustics.room import RoomSpec, respond
 from ross_sim.study.benchmark.recordings import FULL_SCALE, RATE, found
@@ -142,9 +142,11 @@ def built(out: Path) -> list[Path]:
     """
     with refused_as(ConfigError, f"{out}: expected a benchmark that 'ross study benchmark build' made"):
         names = json_of(out / MANIFEST).get("scenes", [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise ConfigError(f"{out / MANIFEST}: scenes: expected a list of names, got {shown(names)}")
     if not (out / SUMS).is_file():
         raise ConfigError(f"{out}: is not complete: give the command that builds it again")
-    return [out / str(name) for name in names]
+    return [out / name for name in names]
 
 
 def json_of(path: Path) -> dict[str, Any]:

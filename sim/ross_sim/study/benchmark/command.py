@@ -59,7 +59,7 @@ def score_command(*, audio: Path, estimates: Path, name: str | None, out: Path) 
     """Score estimates, whoever made them, and print the tables with all methods of --out."""
     from ross_sim.study.benchmark.score_estimates import kept, score
 
-    for table in kept(score(audio, estimates, name or estimates.resolve().name), out):
+    for table in kept(score(audio, estimates, name or estimates.resolve().name), out, audio):
         click.echo(table.markdown())
     return 0
 

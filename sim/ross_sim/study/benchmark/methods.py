@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import soundfile
+from pydantic import BaseModel, Field, model_validator
 from threadpoolctl import threadpool_limits
 
 from ross_payload import plugins
 from ross_payload.atomic_files import json_text, replacing
+from ross_payload.config import Degrees, Positive, validated
 from ross_payload.dsp.steering import tdoa
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError, OutputError, refused_as, unknown
@@ -28,6 +30,43 @@ from ross_sim.study.study_design import explorer_named
 FRAME, EXPLORE_FRAME = 2048, 1024  # [samples], a quarter apart
 AZIMUTHS = "azimuths.json"
 ORACLE = "irm"  # the one that needs the references at microphone 1 only
+
+
+class Known(BaseModel):
+    """What stands in every ``scene.json``."""
+
+    rate_hz: Annotated[int, Field(gt=0)]
+    spacing_m: Positive
+    speed_of_sound_m_s: Positive
+
+
+class KnownMixture(Known):
+    """And what is known of a mixture."""
+
+    heading_deg: Degrees
+    azimuths_deg: Annotated[tuple[Degrees, ...], Field(min_length=1)]
+    target: Annotated[int, Field(ge=0)]
+
+    @model_validator(mode="after")
+    def _target_among_talkers(self) -> KnownMixture:
+        if self.target >= len(self.azimuths_deg):
+            raise ValueError(f"target: expected one of {len(self.azimuths_deg)} talkers, got {self.target}")
+        return self
+
+
+class KnownTurn(Known):
+    """And of a turn."""
+
+    headings_deg: Annotated[tuple[Degrees, ...], Field(min_length=1)]
+
+
+class Truth(BaseModel):
+    """What ``truth.json`` tells the scores."""
+
+    azimuths_deg: Annotated[tuple[Degrees, ...], Field(min_length=1)]
+
+
+KNOWN: dict[str, type[Known]] = {"separation": KnownMixture, "localization": KnownTurn}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,13 +112,16 @@ def scenes_of(audio: Path, task: str) -> list[HeardScene]:
     Raises
     ------
     ConfigError
-        When there is no benchmark, or it is not complete.
+        When there is no benchmark, it is not complete, or what is known of a scene is wrong.
     """
     found = []
     for folder in built(audio):
         with refused_as(ConfigError, f"{folder / SCENE}: cannot be read"):
-            found.append(HeardScene(folder, json_of(folder / SCENE)))
-    return [scene for scene in found if scene.known.get("task") == task]
+            known = json_of(folder / SCENE)
+        if known.get("task") == task:
+            validated(KNOWN[task], known, str(folder / SCENE))
+            found.append(HeardScene(folder, known))
+    return found
 
 
 def separated(separator: Separator, recording: Mixture) -> Real | None:

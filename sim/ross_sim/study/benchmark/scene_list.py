@@ -8,11 +8,11 @@ recordings of a folder; those of this package are what it makes, and stay as the
 from __future__ import annotations
 
 import hashlib
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import click
 import numpy as np
 
 from ross_payload.atomic_files import write_whole
@@ -21,6 +21,7 @@ from ross_sim.study.benchmark.recordings import RATE, Recording
 from ross_sim.study.mixtures import aligned_heading, spread
 from ross_sim.study.room_settings import FAR, HIGH, LOW, NEAR, SETTINGS
 from ross_sim.study.row_files import as_csv, read_rows
+from ross_sim.study.script_errors import told_in_a_line
 
 HERE = Path(__file__).parent
 SEED = 2016
@@ -187,5 +188,13 @@ def write_list(folder: Path, rooms: Sequence[RoomLine] = ROOMS) -> None:
         write_whole(folder / FILES[1], as_csv(drawn(recordings, rooms), Layout))
 
 
+@click.command(help=__doc__)
+@click.argument("folder", type=click.Path(path_type=Path))
+def main(folder: Path) -> None:
+    """Draw rooms and layouts for the recordings of FOLDER."""
+    with told_in_a_line():
+        write_list(folder)
+
+
 if __name__ == "__main__":
-    write_list(Path(sys.argv[1]))
+    main()

@@ -8,14 +8,16 @@ estimate, or with a silent one, counts as 0 dB, and as nobody found.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import soundfile
 
-from ross_payload.atomic_files import replacing
+from ross_payload.atomic_files import json_text, replacing
+from ross_payload.config import validated
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.errors import ConfigError, OutputError, refused_as, shown
 from ross_payload.events import Estimate, SourceEstimate
@@ -26,14 +28,23 @@ from ross_sim.study.benchmark.benchmark_rows import (
     localization_table,
     separation_table,
 )
-from ross_sim.study.benchmark.build_audio import MIXTURE, REFERENCE, TRUTH, json_of
-from ross_sim.study.benchmark.methods import AZIMUTHS, HeardScene, scenes_of
+from ross_sim.study.benchmark.build_audio import MANIFEST, MIXTURE, REFERENCE, TRUTH, json_of
+from ross_sim.study.benchmark.methods import AZIMUTHS, HeardScene, Truth, scenes_of
 from ross_sim.study.exploration import matched
 from ross_sim.study.row_files import as_csv, read_rows
+from ross_sim.study.study_store import difference
 from ross_sim.study.tables import Table
 
 DIGITS = 3
 MOST_TALKERS = 20  # that an estimate may name
+LARGEST_DEG = 1e6  # angle that an estimate may name
+NAME = re.compile(r"(?P<room>.+)-k(?P<k>\d{1,3})-[^-]+-(?P<orientation>[^-]+)")  # of a scene
+
+SCENES = "scenes.json"  # in a folder of results: of which list, and whether a few of it
+KINDS: dict[str, tuple[type[Any], Callable[[Sequence[Any]], Table]]] = {
+    "separation": (BenchmarkSeparation, separation_table),
+    "localization": (BenchmarkLocalization, localization_table),
+}
 
 Row = BenchmarkSeparation | BenchmarkLocalization
 
@@ -59,8 +70,12 @@ def score(audio: Path, estimates: Path, name: str) -> list[Row]:
 
 def _of(scene: HeardScene) -> tuple[str, str, int, str]:
     """Name, room, K and orientation of a scene."""
-    room, k, _, orientation = scene.folder.name.rsplit("-", 3)
-    return scene.folder.name, room, int(k.removeprefix("k")), orientation
+    parts = NAME.fullmatch(scene.folder.name)
+    if parts is None:
+        raise ConfigError(
+            f"{scene.folder}: expected a scene, ROOM-kK-LAYOUT-ORIENTATION, got {shown(scene.folder.name)}"
+        )
+    return scene.folder.name, parts["room"], int(parts["k"]), parts["orientation"]
 
 
 def _separation(scene: HeardScene, estimates: Path, method: str) -> BenchmarkSeparation:
@@ -103,7 +118,9 @@ def _turns(scenes: Sequence[HeardScene], path: Path, method: str) -> list[Row]:
 
 def _turn(scene: HeardScene, told: Any, path: Path, method: str) -> BenchmarkLocalization:
     name, room, k, _ = _of(scene)
-    azimuths = np.deg2rad(np.array(json_of(scene.folder / TRUTH)["azimuths_deg"], float))
+    there = scene.folder / TRUTH
+    with refused_as(ConfigError, f"{there}: cannot be read"):
+        azimuths = np.deg2rad(validated(Truth, json_of(there), str(there)).azimuths_deg)
     good = isinstance(told, list) and len(told) <= MOST_TALKERS and all(map(_is_angle, told))
     if told is not None and not good:
         raise ConfigError(
@@ -115,26 +132,23 @@ def _turn(scene: HeardScene, told: Any, path: Path, method: str) -> BenchmarkLoc
 
 
 def _is_angle(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and -LARGEST_DEG <= value <= LARGEST_DEG
 
 
-def kept(rows: Sequence[Row], out: Path) -> list[Table]:
+def kept(rows: Sequence[Row], out: Path, audio: Path) -> list[Table]:
     """Write rows into the files of a folder, where they take the place of the method's former ones; returns the tables.
 
     Raises
     ------
     ConfigError
-        When a file there holds something else.
+        When a file there holds something else, or scores of other scenes than those of the folder ``audio``.
     OutputError
         When it cannot be written.
     """
     tables = []
+    _claim(out, {name: json_of(audio / MANIFEST).get(name) for name in ("list", "quick")})
     with refused_as(OutputError, f"{out}: cannot be written"):
-        out.mkdir(parents=True, exist_ok=True)
-        for stem, kind, table in (
-            ("separation", BenchmarkSeparation, separation_table),
-            ("localization", BenchmarkLocalization, localization_table),
-        ):
+        for stem, (kind, table) in KINDS.items():
             path = out / f"{stem}.csv"
             old = read_rows(path, [kind])[1] if path.exists() else []
             new = [row for row in rows if isinstance(row, kind)]
@@ -147,3 +161,18 @@ def kept(rows: Sequence[Row], out: Path) -> list[Table]:
         with replacing(out / "tables.md") as part:
             part.write_text("\n".join(made.markdown() for made in tables), encoding="utf-8")
     return tables
+
+
+def _claim(out: Path, scenes: dict[str, Any]) -> None:
+    """Take a folder for scores of some scenes; scores of others would count as theirs."""
+    path = out / SCENES
+    if not any((out / f"{stem}.csv").exists() for stem in KINDS):
+        with refused_as(OutputError, f"{out}: cannot be written"):
+            out.mkdir(parents=True, exist_ok=True)
+            with replacing(path) as part:
+                part.write_text(json_text(scenes), encoding="utf-8")
+        return
+    with refused_as(ConfigError, f"{path}: expected what the scores beside it are of; choose another folder"):
+        other = difference(json_of(path), scenes)
+    if other:
+        raise ConfigError(f"--out {out}: holds scores of other scenes ({other}); choose another folder")
