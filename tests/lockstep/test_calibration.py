@@ -3,6 +3,7 @@
 import json
 import math
 import signal
+from functools import partial
 
 import numpy as np
 import pytest
@@ -160,6 +161,68 @@ def test_a_study_writes_what_became_of_every_array(tmp_path, monkeypatch, capsys
     assert all(abs(row.spacing_error_mm) < 1 and row.polarity_right and row.swap_right for row in rows)
     assert rows[0].spacing_mm != rows[1].spacing_mm
     assert "| S1, noise | 2/2 |" in out
+
+
+@pytest.fixture
+def study(monkeypatch, capsys):
+    """``ross study calibration`` with more arguments: exit code, output, errors."""
+    return partial(called, monkeypatch, capsys, "study", "calibration")
+
+
+@pytest.fixture
+def calibrated(monkeypatch):
+    """Draws that are calibrated, in a study that calibrates nothing; stops at the one that it is told."""
+    made, last = [], []
+
+    def measured(draw, talkers):
+        if [draw.number] == last:
+            raise KeyboardInterrupt
+        made.append((draw.sound, draw.number))
+        return calibration_study._row(draw, "too soft", 1.0)
+
+    monkeypatch.setattr(calibration_study, "measured", measured)
+    return made, last
+
+
+def test_a_study_that_was_stopped_keeps_its_rows_and_goes_on(tmp_path, study, calibrated):
+    made, last = calibrated
+    few = ("--settings", "S1", "--draws", "3")
+    assert study("--out", tmp_path / "whole.csv", *few)[0] == 0
+    every = list(made)
+    made.clear()
+    last.append(2)
+    assert study("--out", tmp_path / "rows.csv", *few)[0] == 130
+    assert len(read_rows(tmp_path / "rows.csv", [CalibrationRow])[1]) == 2
+    last.clear()
+    assert study("--out", tmp_path / "rows.csv", *few)[0] == 0
+    assert made == every
+    assert (tmp_path / "rows.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("asked", "why"),
+    [
+        (("--sounds", ""), "expected names separated by commas, got none"),
+        (("--settings", ""), "expected names separated by commas, got none"),
+        (("--seed", "1"), "holds rows of another study (seed is 0, not 1)"),
+    ],
+)
+def test_rows_that_are_there_are_not_lost(tmp_path, study, calibrated, asked, why):
+    few = ("--out", tmp_path / "rows.csv", "--settings", "S1", "--draws", "2")
+    assert study(*few)[0] == 0
+    before = (tmp_path / "rows.csv").read_bytes()
+    code, _, err = study(*few, *asked)
+    assert (code, err.count("\n")) == (2, 1)
+    assert why in err
+    assert (tmp_path / "rows.csv").read_bytes() == before
+
+
+def test_a_place_that_cannot_be_written_is_told_before_anything_is_calibrated(tmp_path, study, calibrated):
+    (tmp_path / "file").touch()
+    for out in (tmp_path, tmp_path / "file" / "rows.csv"):
+        code, _, err = study("--out", out)
+        assert (code, err.count("\n")) == (2, 1)
+    assert calibrated[0] == []
 
 
 @pytest.mark.parametrize(("asked", "why"), [(("--settings", "S9"), "room 'S9'"), (("--sounds", "hum"), "sound 'hum'")])

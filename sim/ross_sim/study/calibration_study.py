@@ -11,12 +11,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice, product
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
 
+import ross_payload
+import ross_sim.study
 from ross_payload.angles import wrap
 from ross_payload.atomic_files import replacing
 from ross_payload.calibration.estimate import Calibration, NotCalibrated, calibrate
@@ -27,8 +30,12 @@ from ross_payload.interfaces import Real, Samples
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.calibration_flight import turned_in
 from ross_sim.study.calibration_rows import CalibrationRow, calibrations
+from ross_sim.study.missions_run import CODE as MISSIONS
 from ross_sim.study.room_settings import SETTINGS, check_rooms
-from ross_sim.study.row_files import as_csv
+from ross_sim.study.row_files import as_csv, read_rows
+from ross_sim.study.row_manifest import claim
+from ross_sim.study.study_store import Code, basis_of
+from ross_sim.study.talker_placement import heard_as
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of
 
@@ -42,6 +49,10 @@ SECONDS = 60.0  # of sound
 SOFTEST_HZ, LOUDEST_HZ = 300.0, 1000.0  # a phone's loudspeaker: nothing below the one, pink above the other
 STEP_ERROR = 0.05 * math.radians(1.8)  # of a NEMA 17 at most [rad]
 FULL_STEPS = 200
+CODE: Code = MISSIONS | {  # behind the rows
+    ross_payload: (*MISSIONS[ross_payload], "doctor/calibration_session.py"),
+    ross_sim.study: (*MISSIONS[ross_sim.study], "calibration_rows.py", "calibration_study.py"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,37 +148,47 @@ def measured(draw: Draw, talkers: Sequence[TalkerVoice]) -> CalibrationRow:
 def conduct(
     *, out: Path, speech: Path | None, settings: Sequence[str], sounds: Sequence[str], draws: int, seed: int
 ) -> int:
-    """Calibrate, show the table and write the rows; return the exit code.
+    """Calibrate, write the rows after every array and show the table; return the exit code.
+
+    A study that was stopped goes on with the array that is next.
 
     Raises
     ------
-    RossError
-        When a name is unknown, the voices cannot be read, or the rows cannot be written.
+    ConfigError
+        When a name is unknown, the voices cannot be read, or ``out`` holds something else.
+    OutputError
+        When the rows cannot be written.
     """
     check_rooms(settings)
     for name in sounds:
         if name not in (NOISE, TALKER):
             raise ConfigError(unknown("sound", name, (NOISE, TALKER)))
     talkers = voices_of(speech, RATE)
-    with refused_as(OutputError, f"{out}: cannot be written"), replacing(out) as part:
-        made = []
-        for row in rows(settings, sounds, draws, seed, talkers):
-            made.append(row)
-            said = row.refused or f"spacing {row.spacing_error_mm:+.2f} mm, offset {row.offset_error_deg:+.2f} deg"
-            click.echo(f"{row.setting} {row.sound} {row.draw}: {said}", err=True)
-        part.write_bytes(as_csv(made, CalibrationRow))
+    asked = {"settings": settings, "sounds": sounds, "draws": draws, "seed": seed}
+    claim(out, {"asked": asked} | basis_of(heard_as(talkers), CODE))
+    made: list[CalibrationRow] = read_rows(out, [CalibrationRow])[1] if out.exists() else []
+    for row in rows(settings, sounds, draws, seed, talkers, done=len(made)):
+        made.append(row)
+        said = row.refused or f"spacing {row.spacing_error_mm:+.2f} mm, offset {row.offset_error_deg:+.2f} deg"
+        click.echo(f"{row.setting} {row.sound} {row.draw}: {said}", err=True)
+        with refused_as(OutputError, f"{out}: cannot be written"), replacing(out) as part:
+            part.write_bytes(as_csv(made, CalibrationRow))
     click.echo(calibrations(made).body())
     return 0
 
 
 def rows(
-    settings: Sequence[str], sounds: Sequence[str], draws: int, seed: int, talkers: Sequence[TalkerVoice]
+    settings: Sequence[str],
+    sounds: Sequence[str],
+    draws: int,
+    seed: int,
+    talkers: Sequence[TalkerVoice],
+    *,
+    done: int = 0,
 ) -> Iterator[CalibrationRow]:
-    """Calibrate every draw of every setting and sound."""
-    for setting in settings:
-        for sound in sounds:
-            for number in range(draws):
-                yield measured(drawn(setting, sound, number, seed), talkers)
+    """Calibrate every draw of every setting and sound, but for those that are ``done``."""
+    for setting, sound, number in islice(product(settings, sounds, range(draws)), done, None):
+        yield measured(drawn(setting, sound, number, seed), talkers)
 
 
 def _row(draw: Draw, found: Calibration | str, seconds: float) -> CalibrationRow:

@@ -180,6 +180,8 @@ def missions(
 def calibration(**asked: Any) -> int:
     """Calibrate random arrays by turning them: rooms x sounds x draws, with the real driver of a stepper.
 
+    A study that was stopped goes on when the same command is given again.
+
     Exit codes: 0 done, 1 the rows cannot be written, 2 bad input, 130 stopped by the user.
     """
     from ross_sim.study.calibration_study import conduct

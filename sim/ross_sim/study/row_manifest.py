@@ -16,6 +16,7 @@ from ross_payload.bounded_files import parsed_json, read_bounded
 from ross_payload.errors import ConfigError, OutputError, refused_as
 from ross_payload.interfaces import Samples
 from ross_payload.plugin_checks import load_separator
+from ross_sim.study.script_errors import expect_writable
 from ross_sim.study.study_store import FINGERPRINTED, Code, basis_of, difference
 from ross_sim.study.talker_placement import heard_as
 from ross_sim.talkers.speech import TalkerVoice
@@ -54,10 +55,11 @@ def claim(rows: Path, wanted: dict[str, Any]) -> None:
     Raises
     ------
     ConfigError
-        When it holds rows that depend on something else, or it is not known on what.
+        When it holds rows that depend on something else, it is not known on what, or it is a folder.
     OutputError
         When it cannot be written.
     """
+    expect_writable(rows)
     path = manifest_of(rows)
     if not rows.exists():
         with refused_as(OutputError, f"{path}: cannot be written"):
