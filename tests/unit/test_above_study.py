@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import click
 import numpy as np
 import pytest
 import soundfile
@@ -17,6 +18,7 @@ from ross_sim.study import above_scenes
 from ross_sim.study.above_rows import AboveRow, above
 from ross_sim.study.above_scenes import PIECE_S, STROLL_M, Walks, among, images_of, responses, walks_of
 from ross_sim.study.above_study import AboveDesign, conduct_above, rows
+from ross_sim.study.command import command
 from ross_sim.study.mixtures import LEAD_IN, RATE
 from ross_sim.study.noise_scenes import noise_of
 from ross_sim.study.page_tables import tables_of
@@ -230,3 +232,27 @@ def test_fewer_than_three_talkers_are_refused_in_one_line(tmp_path: Path) -> Non
         conduct_above(design, out=tmp_path / "rows.csv", speech=tmp_path, noise=None)
     assert "\n" not in str(refused.value)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--ratios", "nan"], "expected numbers from -100 to 100, or off, separated by commas, got 'nan'"),
+        (["--ratios", "foo"], "expected numbers from -100 to 100, or off, separated by commas, got 'foo'"),
+        (["--ratios", "off,off"], "expected every value once, got 'off' more than once"),
+        (["--ground", "nan"], "expected a finite number, got 'nan'"),
+        (["--heights", "inf"], "expected finite numbers separated by commas, got 'inf'"),
+        (["--walks", ""], "expected finite numbers separated by commas, got none"),
+    ],
+)
+def test_odd_values_of_options_are_told_in_one_line(options: list[str], said: str, tmp_path: Path) -> None:
+    arguments = ["above", "--out", str(tmp_path / "rows.csv"), "--speech", str(tmp_path), *options]
+    with pytest.raises(click.UsageError) as refused:
+        command.main(arguments, standalone_mode=False)
+    assert said in refused.value.format_message()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_schedule_that_is_none_is_told_without_a_private_name(tmp_path: Path) -> None:
+    with pytest.raises(click.UsageError, match="expected whole numbers or stop separated by commas, got 'foo'"):
+        command.main(["--out", str(tmp_path / "out"), "--rotations", "foo"], standalone_mode=False)

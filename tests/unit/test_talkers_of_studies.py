@@ -81,8 +81,8 @@ def test_fewer_than_three_talkers_are_refused_before_anything_is_written(
     [
         (["--k", "4"], "expected 4 talkers or more, got 3"),
         (["--k", "3"], "talker 'anna': expected at least 13 s of speech, got 2.0 s"),
-        (["--k", "6"], "--k: expected 2 to 5 talkers, got 6"),
-        (["--k", "1"], "--k: expected 2 to 5 talkers, got 1"),
+        (["--k", "6"], "expected whole numbers from 2 to 5 separated by commas, got '6'"),
+        (["--k", "1"], "expected whole numbers from 2 to 5 separated by commas, got '1'"),
         (["--k", "2,3", "--targets", "3"], "--targets: expected at most 2"),
     ],
 )

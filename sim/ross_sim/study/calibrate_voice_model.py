@@ -36,6 +36,7 @@ from ross_payload.voiceprint.embedding_print import Calibration, poorness_of, un
 from ross_payload.voiceprint.features import at_rate
 from ross_payload.voiceprint.model_folder import BUILT_IN, read_model
 from ross_sim.study.mixtures import RATE, excerpt, layouts
+from ross_sim.study.option_types import NATURAL, POSITIVE, argument
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, Setting
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.study.voiceprint_study import OUTSIDE, best_heading, separated_at
@@ -194,8 +195,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("out", type=Path, metavar="OUT.json")
     parser.add_argument("--speech", type=Path, required=True, help="folder of talkers; the more, the better")
     parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S2", "A0.45", "B0.45"])
-    parser.add_argument("--draws", type=int, default=20, help="mixtures in every room, of three and of four talkers")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--draws", type=argument(POSITIVE), default=20, help="mixtures in every room, of three and of four talkers"
+    )
+    parser.add_argument("--seed", type=argument(NATURAL), default=0)
     asked = parser.parse_args(arguments)
     with told_by(parser):
         expect_writable(asked.out)

@@ -30,6 +30,7 @@ from ross_payload.interfaces import Explorer, Real, Samples
 from ross_sim.study import exploration
 from ross_sim.study.exploration import NEAR_DEG
 from ross_sim.study.mixtures import RATE, gains, record
+from ross_sim.study.option_types import NATURAL, POSITIVE, argument
 from ross_sim.study.room_settings import DISTANCE, SPACING, SPEED_OF_SOUND, Setting
 from ross_sim.study.script_errors import told_by
 from ross_sim.study.talker_placement import standard_voices
@@ -138,10 +139,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, default=Path("../shared/speech"), help="folder of recordings")
-    parser.add_argument("--layouts", type=int, default=14, help="per K")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--rotations", type=int, nargs="+", default=[4, 8, 12])
-    parser.add_argument("--align", type=int, default=0, help="also separate so many layouts of every K > 2")
+    parser.add_argument("--layouts", type=argument(POSITIVE), default=14, help="per K")
+    parser.add_argument("--seed", type=argument(NATURAL), default=1)
+    parser.add_argument("--rotations", type=argument(POSITIVE), nargs="+", default=[4, 8, 12])
+    parser.add_argument(
+        "--align", type=argument(NATURAL), default=0, help="also separate so many layouts of every K > 2"
+    )
     asked = parser.parse_args(arguments)
     with told_by(parser):
         voices = [voice.speech for voice in standard_voices(asked.speech, RATE, max(COUNTS))]

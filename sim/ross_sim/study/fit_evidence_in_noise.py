@@ -30,6 +30,7 @@ from ross_sim.study.fit_talker_evidence import (
 from ross_sim.study.mixtures import RATE
 from ross_sim.study.noise_scenes import NoiseScene, recordings, scene
 from ross_sim.study.noise_study import observed
+from ross_sim.study.option_types import NATURAL, POSITIVE, argument
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.study.training_voices import readers
@@ -79,8 +80,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("folder", type=Path, metavar="READERS", help="recordings of talkers with a MANIFEST.tsv")
     parser.add_argument("noise", type=Path, metavar="NOISE", help="recordings of propellers")
     parser.add_argument("out", type=Path, metavar="OUT.json")
-    parser.add_argument("--scenes", type=int, default=N_SCENES)
-    parser.add_argument("--seed", type=int, default=4242)
+    parser.add_argument("--scenes", type=argument(POSITIVE), default=N_SCENES)
+    parser.add_argument("--seed", type=argument(NATURAL), default=4242)
     asked = parser.parse_args(arguments)
     with told_by(parser):
         expect_writable(asked.out)

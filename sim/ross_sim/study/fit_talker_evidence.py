@@ -33,6 +33,7 @@ from ross_payload.localization.talker_evidence import DESCRIBED, FEATURES, LIKEL
 from ross_sim.study.evidence_scenes import HEADINGS, ROOMS, EvidenceScene, scenes
 from ross_sim.study.exploration import FRAME, NEAR_DEG, observed
 from ross_sim.study.mixtures import RATE
+from ross_sim.study.option_types import NATURAL, argument
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.talkers.speech import load_folder, read
@@ -246,7 +247,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("out", type=Path, metavar="OUT.json", help="regression")
     parser.add_argument("out_trees", type=Path, metavar="OUT.npz", help="trees")
     parser.add_argument("--rooms", nargs="+", choices=ROOMS, default=list(ROOMS))
-    parser.add_argument("--seeds", type=int, nargs="+", default=SEEDS)
+    parser.add_argument("--seeds", type=argument(NATURAL), nargs="+", default=SEEDS)
     parser.add_argument("--keep", type=Path, help="folder in which scenes are kept")
     asked = parser.parse_args(arguments)
     with told_by(parser):

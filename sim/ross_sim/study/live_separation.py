@@ -25,7 +25,7 @@ from ross_payload.interfaces import LiveSeparator, Real, Scene
 from ross_payload.plugin_checks import load_separator
 from ross_sim.study.live_tables import Row, appended, read_rows, tables
 from ross_sim.study.mixtures import PAPER_DEG, Mixture, aligned_heading, layouts, record, scene_of
-from ross_sim.study.option_types import CommaSeparated
+from ross_sim.study.option_types import NATURAL, CommaSeparated
 from ross_sim.study.page_tables import write_page
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, check_rooms
 from ross_sim.study.script_errors import told_in_a_line
@@ -165,11 +165,19 @@ def mixtures(blank: Row, voices: Sequence[Real]) -> tuple[Mixture, Mixture]:
 @click.argument("rows", type=click.Path(path_type=Path))
 @click.option("--speech", type=click.Path(path_type=Path), help="Folder of talkers; absent: nothing is measured.")
 @click.option("--settings", type=CommaSeparated(), default="S1,S2,A0.45", show_default=True)
-@click.option("--k", type=CommaSeparated(int), default="3,4,5", show_default=True, help="Numbers of talkers.")
-@click.option("--rates", type=CommaSeparated(int), default="16000,24000", show_default=True, help="[Hz]")
+@click.option(
+    "--k",
+    type=CommaSeparated(int, low=2, high=len(PAPER_DEG)),
+    default="3,4,5",
+    show_default=True,
+    help="Numbers of talkers.",
+)
+@click.option(
+    "--rates", type=CommaSeparated(int, low=8000, high=48000), default="16000,24000", show_default=True, help="[Hz]"
+)
 @click.option("--layouts", "n_layouts", type=click.IntRange(min=0), default=0, show_default=True, help="Random ones.")
 @click.option("--targets", type=click.IntRange(min=1), default=2, show_default=True, help="Of every layout.")
-@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--seed", type=NATURAL, default=0, show_default=True)
 @click.option("--page", type=click.Path(path_type=Path), help="Page to write the tables into.")
 def main(
     *,
@@ -186,9 +194,6 @@ def main(
     """Measure what is missing in ROWS (CSV), and print the tables."""
     with told_in_a_line():
         check_rooms(settings)
-        wrong = next((count for count in k if not 2 <= count <= len(PAPER_DEG)), None)
-        if wrong is not None:
-            raise ConfigError(f"--k: expected 2 to {len(PAPER_DEG)} talkers, got {wrong}")
         if targets > min(k):
             raise ConfigError(f"--targets: expected at most {min(k)}, the fewest talkers of --k, got {targets}")
         blanks = [

@@ -41,6 +41,7 @@ from ross_sim.sitl.mission_session import Finished, perform
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.talker_selection import TalkerSelection
 from ross_sim.study.mixtures import spread
+from ross_sim.study.option_types import NATURAL, POSITIVE, CommaSeparated, argument
 from ross_sim.study.room_settings import SETTINGS, check_rooms
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.talkers.speech import TalkerVoice
@@ -50,6 +51,7 @@ RATE = 16000  # [Hz]
 SETS_OUT = {"true": 12.0, "explored": 45.0}  # when somebody sets out, by what is known at the start [s]
 WALKS = 60.0  # for how long [s]
 APART, WIDEST = 25.0, 60.0  # from the neighbours at least, and to either side at most [deg]
+SLOWEST, FASTEST = 0.1, 180.0  # who walks [deg/s]
 ANYBODY = -1e6  # criterion of a voice print that accepts everybody
 
 
@@ -256,24 +258,25 @@ def _rms(values: Real) -> float:
     return float(np.sqrt(np.mean(np.asarray(values, dtype=float) ** 2))) if len(values) else math.nan
 
 
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(text.split(","))
-
-
-def _numbers(text: str) -> tuple[float, ...]:
-    return tuple(map(float, text.split(",")))
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print one line per mission, and the table; 130 when it was interrupted."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, help="folder of recordings; default: synthetic voices")
     parser.add_argument("--start", choices=SETS_OUT, default="true", help="azimuths are told, or explored first")
-    parser.add_argument("--draws", type=int, default=6)
-    parser.add_argument("--seed", type=int, default=0, help="of the first draw; the next have the next seeds")
-    parser.add_argument("--settings", type=_names, default="S1,S2", help="rooms, separated by commas")
-    parser.add_argument("--speeds", type=_numbers, default="5,10", help="[deg/s], separated by commas")
-    parser.add_argument("--talkers", type=int, default=3)
+    parser.add_argument("--draws", type=argument(POSITIVE), default=6)
+    parser.add_argument(
+        "--seed", type=argument(NATURAL), default=0, help="of the first draw; the next have the next seeds"
+    )
+    parser.add_argument(
+        "--settings", type=argument(CommaSeparated()), default="S1,S2", help="rooms, separated by commas"
+    )
+    parser.add_argument(
+        "--speeds",
+        type=argument(CommaSeparated(float, low=SLOWEST, high=FASTEST)),
+        default="5,10",
+        help="[deg/s], separated by commas",
+    )
+    parser.add_argument("--talkers", type=argument(POSITIVE), default=3)
     parser.add_argument("--known", type=Path, help="folder where missions with known azimuths are kept")
     parser.add_argument("--tracker-alone", action="store_true", help="fly once: what is lost is not measured")
     parser.add_argument("--json", type=Path, help="also write the rows there")

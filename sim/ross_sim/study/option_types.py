@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from argparse import ArgumentTypeError
+from collections.abc import Callable
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -57,6 +59,34 @@ class CommaSeparated(click.ParamType[Any]):
         if isinstance(value, int | float) and not (self._low <= value <= self._high and abs(value) < math.inf):
             raise ValueError(part)
         return value
+
+
+class Finite(click.FloatRange):
+    """A number from ``min`` to ``max``, and not NaN, which click takes for one of every range."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read and check."""
+        number = super().convert(value, param, ctx)
+        return number if math.isfinite(number) else self.fail(f"expected a finite number, got '{value}'", param, ctx)
+
+
+NATURAL, POSITIVE = click.IntRange(min=0), click.IntRange(min=1)
+
+
+def argument(kind: click.ParamType[Any]) -> Callable[[str], Any]:
+    """Make the ``type`` of an argument of `argparse` that reads, and refuses in the same words, what click does.
+
+    >>> argument(NATURAL)("7")
+    7
+    """
+
+    def read(text: str) -> Any:
+        try:
+            return kind.convert(text, None, None)
+        except click.UsageError as error:
+            raise ArgumentTypeError(error.message) from error
+
+    return read
 
 
 class ShardNumber(click.ParamType[Any]):

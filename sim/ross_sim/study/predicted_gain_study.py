@@ -25,7 +25,7 @@ from ross_payload.alignment.plan import isolation
 from ross_payload.angles import Real
 from ross_payload.interfaces import Separator
 from ross_sim.study.mixtures import RATE, aligned_heading, gains, layouts, record
-from ross_sim.study.option_types import CommaSeparated
+from ross_sim.study.option_types import NATURAL, CommaSeparated, Finite
 from ross_sim.study.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting, check_rooms
 from ross_sim.study.script_errors import told_in_a_line
 from ross_sim.study.study_design import Study
@@ -123,12 +123,17 @@ def line(name: str, n_sources: int, found: Sequence[Curve]) -> str:
     "--rooms", type=CommaSeparated(), default=",".join(PLANES), show_default=True, help=f"Of {','.join(SETTINGS)}."
 )
 @click.option(
-    "--k", "sizes", type=CommaSeparated(int), default="2,3,4,5", show_default=True, help="Numbers of talkers."
+    "--k",
+    "sizes",
+    type=CommaSeparated(int, low=2, high=8),
+    default="2,3,4,5",
+    show_default=True,
+    help="Numbers of talkers.",
 )
 @click.option("--layouts", "count", type=click.IntRange(min=1), default=4, show_default=True)
-@click.option("--step-deg", type=click.FloatRange(1, 90), default=15.0, show_default=True)
-@click.option("--seconds", type=click.FloatRange(2, 10), default=6.0, show_default=True)
-@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--step-deg", type=Finite(1, 90), default=15.0, show_default=True)
+@click.option("--seconds", type=Finite(2, 10), default=6.0, show_default=True)
+@click.option("--seed", type=NATURAL, default=0, show_default=True)
 def main(
     *,
     speech: Path,

@@ -18,6 +18,7 @@ from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.stft import Stft
 from ross_payload.separation import local_gaussian_model, refined
 from ross_sim.study.mixtures import FRAME, HOP, RATE, Mixture, excerpt, layouts, record, scene_of
+from ross_sim.study.option_types import NATURAL, POSITIVE, argument
 from ross_sim.study.room_settings import SETTINGS
 from ross_sim.study.script_errors import told_by
 from ross_sim.talkers.speech import TalkerVoice
@@ -67,8 +68,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, help="folder of talkers; default: the synthetic voices")
     parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S1"], help=f"such as {' '.join(ROOMS)}")
-    parser.add_argument("--draws", type=int, default=4, help="recordings for every number of talkers and room")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--draws", type=argument(POSITIVE), default=4, help="recordings for every number of talkers and room"
+    )
+    parser.add_argument("--seed", type=argument(NATURAL), default=0)
     asked = parser.parse_args(arguments)
     with told_by(parser):
         voices = voices_of(asked.speech, RATE)

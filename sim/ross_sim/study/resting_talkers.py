@@ -30,6 +30,7 @@ from ross_payload.mission.source_tracking import ECHOES, UPDATE, SourceTracker
 from ross_sim.study.exploration import render
 from ross_sim.study.intervals import wilson
 from ross_sim.study.mixtures import SNR_DB, spread
+from ross_sim.study.option_types import NATURAL, POSITIVE, CommaSeparated, argument
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
 from ross_sim.study.script_errors import told_by
 from ross_sim.talkers.synthetic_voices import voices_of
@@ -123,18 +124,22 @@ def main(arguments: Sequence[str]) -> None:
     """Print a table in Markdown."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, help="folder of recordings; default: synthetic voices")
-    parser.add_argument("--settings", default=",".join(TOLD), help="rooms, separated by commas")
-    parser.add_argument("--k", default="3,4", help="numbers of talkers, separated by commas")
-    parser.add_argument("--draws", type=int, default=8)
-    parser.add_argument("--seed", type=int, default=0, help="of the first draw; the next have the next seeds")
+    parser.add_argument(
+        "--settings", type=argument(CommaSeparated()), default=",".join(TOLD), help="rooms, separated by commas"
+    )
+    parser.add_argument(
+        "--k", type=argument(CommaSeparated()), default="3,4", help="numbers of talkers, separated by commas"
+    )
+    parser.add_argument("--draws", type=argument(POSITIVE), default=8)
+    parser.add_argument(
+        "--seed", type=argument(NATURAL), default=0, help="of the first draw; the next have the next seeds"
+    )
     parser.add_argument("--unexplored", action="store_true", help="azimuths are told, and nothing of the room")
     given = parser.parse_args(arguments)
-    settings, ks = given.settings.split(","), given.k.split(",")
+    settings, ks = given.settings, given.k
     for name, found, allowed in (("settings", settings, TOLD), ("k", ks, KS)):
         if unknown := [each for each in found if each not in allowed]:
             parser.error(f"--{name}: expected some of {', '.join(allowed)}, got '{unknown[0]}'")
-    if given.draws < 1:
-        parser.error(f"--draws: expected 1 or more, got {given.draws}")
     with told_by(parser):
         voices = [voice.speech for voice in voices_of(given.speech, RATE)]
     if len(voices) < max(map(int, ks)):

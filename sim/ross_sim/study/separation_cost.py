@@ -28,6 +28,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
 from ross_payload.separation import auxiva
 from ross_sim.study.baselines import library
+from ross_sim.study.option_types import NATURAL
 from ross_sim.study.script_errors import told_in_a_line
 from ross_sim.study.workload import VOICE_RATE, Case, Peer, Work, cpu_seconds, prepared
 from ross_sim.talkers.speech import load_folder
@@ -217,7 +218,7 @@ def label(title: str, case: Case) -> str:
 @click.command()
 @click.option("--speech", type=click.Path(path_type=Path), default=Path("../shared/speech"), show_default=True)
 @click.option("--repeats", type=click.IntRange(min=1), default=3, show_default=True)
-@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--seed", type=NATURAL, default=0, show_default=True)
 def main(speech: Path, repeats: int, seed: int) -> None:
     """Print one table of methods and one for everything that makes the task grow."""
     with threadpool_limits(1), np.errstate(all="ignore"):

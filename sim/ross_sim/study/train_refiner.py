@@ -31,6 +31,7 @@ from ross_payload.interfaces import Real
 from ross_payload.separation.network import arrays_of, encode_network, shipped_arrays
 from ross_sim.cache import Array, cached, fingerprint
 from ross_sim.study import noise_pieces, refiner_model
+from ross_sim.study.option_types import NATURAL
 from ross_sim.study.refiner_clips import Batch, clips, kept_out, load, piece
 from ross_sim.study.refiner_model import initial, widened
 from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
@@ -273,7 +274,7 @@ def training(begin: Path | None, motor: Path | None) -> Training:
     help=f"{N_CLIPS}, {N_MORE_CLIPS} further, {N_NOISY_CLIPS} for noise.",
 )
 @click.option("--steps", type=click.IntRange(min=1), help=f"{N_STEPS}; {N_NOISY_STEPS} for noise.")
-@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--seed", type=NATURAL, default=0, show_default=True)
 @click.option("--begin", type=EXISTING, help="Go on from the weights in this file.")
 @click.option("--motor", type=EXISTING, help="Train for noise that has a direction.")
 @click.argument("out", type=click.Path(path_type=Path))

@@ -34,6 +34,7 @@ from ross_sim.study.calibration_voices import (
     reader_voice,
     speaks_long,
 )
+from ross_sim.study.option_types import NATURAL
 from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
 from ross_sim.study.training_voices import readers, recipes, synthetic
 from ross_sim.study.voice_augmentation import excerpt
@@ -147,7 +148,7 @@ def corpora(base: Mapping[str, Real], folds: Mapping[str, int], speech: Path, wo
 @click.option("--readers", "folder", type=click.Path(path_type=Path), required=True, help="Folder with MANIFEST.tsv.")
 @click.option("--speech", type=click.Path(path_type=Path), required=True, help="Folder of talkers of other corpora.")
 @click.option("--work", type=click.Path(path_type=Path), required=True, help="What is made on the way is kept here.")
-@click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--seed", type=NATURAL, default=0, show_default=True)
 @click.argument("out", type=click.Path(path_type=Path))
 def main(folder: Path, speech: Path, work: Path, seed: int, out: Path) -> None:
     """Train, calibrate and write the model."""

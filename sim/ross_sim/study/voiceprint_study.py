@@ -30,6 +30,7 @@ from ross_payload.voiceprint.dominance import dominant
 from ross_payload.voiceprint.features import RATE as VOICE_RATE
 from ross_payload.voiceprint.features import at_rate
 from ross_sim.study.mixtures import FRAME, HOP, RATE, excerpt, layouts, record, scene_of
+from ross_sim.study.option_types import NATURAL, POSITIVE, argument
 from ross_sim.study.room_settings import SETTINGS, Setting
 from ross_sim.study.script_errors import told_by
 from ross_sim.talkers.speech import TalkerVoice, load_folder
@@ -240,8 +241,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--model", default="built-in", help="a network that `ross voice-model add` keeps")
     parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S1"], help=f"such as {' '.join(ROOMS)}")
     parser.add_argument("--enrol", choices=("clean", "pointed"), default="clean", help="what prints are made from")
-    parser.add_argument("--draws", type=int, default=20, help="mixtures in every room")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--draws", type=argument(POSITIVE), default=20, help="mixtures in every room")
+    parser.add_argument("--seed", type=argument(NATURAL), default=0)
     asked = parser.parse_args(arguments)
     with told_by(parser):
         voices = load_folder(asked.speech, RATE, asked.talkers) if asked.speech else synthetic_voices(RATE)
