@@ -11,7 +11,10 @@ from ross_payload import plugins
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Observation
+from ross_sim.study.exploration import render
+from ross_sim.study.mixtures import record
 from ross_sim.study.result_rows import ALIGNED, ESTIMATED, UNALIGNED
+from ross_sim.study.room_settings import SETTINGS
 from ross_sim.study.study_case import Failure, attempt, owners_of, perform
 from ross_sim.study.study_design import PRESETS, Task, chosen, mixed, tasks
 from ross_sim.study.talker_placement import Source, check_voices, heard_as, placed, voices_of
@@ -153,6 +156,35 @@ def test_too_few_or_too_short_voices_are_refused(source):
         check_voices(voices, study(run_s=60.0))
     with pytest.raises(ConfigError, match="talker 'zoe' is unknown; there are"):
         voices_of(replace(source, talkers=("zoe",)))
+
+
+def silenced(voices, part):
+    """The voices, of which the second says nothing in a part of its recording."""
+    speech = voices[1].speech.copy()
+    speech[part] = 0
+    return voices[0], replace(voices[1], speech=speech), *voices[2:]
+
+
+def test_a_talker_who_is_silent_where_he_is_heard_is_named(source):
+    voices, cut = voices_of(source), 2 * 16000
+    name = voices[1].name
+    first, rest = silenced(voices, slice(0, cut)), silenced(voices, slice(cut, None))
+    with pytest.raises(ConfigError, match=f"talker '{name}': silent in the first 2 s"):
+        check_voices(first, study())
+    with pytest.raises(ConfigError, match=f"talker '{name}': silent after the first 2 s"):
+        check_voices(rest, study())
+    check_voices(first, study(separators=()))
+    check_voices(rest, study(explorers=()))
+
+
+def test_silence_is_said_to_be_that_of_a_talker_and_not_a_fault_of_a_separator():
+    loud, silent = np.ones(16000), np.zeros(16000)
+    azimuths = np.array([0.0, 1.0])
+    words = "talker 2 of 2: expected speech, got silence in the 1 s in use"
+    with pytest.raises(ConfigError, match=words):
+        record([loud, silent], azimuths, 0, 0.0, SETTINGS["S1"], rng=np.random.default_rng(0), rate=16000)
+    with pytest.raises(ConfigError, match="talker 2 of 2: expected speech, got silence"):
+        render([loud, silent], azimuths, SETTINGS["S1"], np.array([0.0]), np.random.default_rng(0), rate=16000)
 
 
 def test_the_same_voices_are_recognised_elsewhere(source, tmp_path):

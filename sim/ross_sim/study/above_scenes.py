@@ -19,7 +19,7 @@ from ross_payload.interfaces import Real, Samples
 from ross_sim.acoustics.near_field import NearField
 from ross_sim.scenario import MOUTH
 from ross_sim.study.exploration import UNIT
-from ross_sim.study.mixtures import LEAD_IN, RATE, spread
+from ross_sim.study.mixtures import LEAD_IN, RATE, expect_sound, spread
 from ross_sim.study.noise_scenes import HEADINGS, LEVEL, SENSOR_DB, Noise, noise_of
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 
@@ -129,6 +129,7 @@ def scene(
     chosen = tuple(voices[index] for index in rng.permutation(len(voices))[:k])
     unit, n = round(UNIT * RATE), round(UNIT * RATE) * len(HEADINGS)
     speech = [np.resize(np.roll(v, -int(rng.integers(len(v)))), n).astype(float) for v in chosen]
+    expect_sound(speech, RATE)
     speech = [each / np.sqrt(np.mean(each**2)) for each in speech]
     heard = np.stack([
         images_of([each[r * unit : (r + 1) * unit] for each in speech], walks, float(h), ground, r * (UNIT + TURN_S))

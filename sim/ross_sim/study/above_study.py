@@ -33,7 +33,7 @@ from ross_payload.plugin_checks import load_separator
 from ross_sim.study.above_rows import AboveRow, above
 from ross_sim.study.above_scenes import AboveScene, among, images_of, rotors_of, scene
 from ross_sim.study.exploration import NEAR_DEG, matched
-from ross_sim.study.mixtures import LEAD_IN, RATE
+from ross_sim.study.mixtures import LEAD_IN, RATE, expect_sound
 from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings
 from ross_sim.study.noise_study import LONG, SHORT, TALKERS
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
@@ -150,6 +150,7 @@ def _run(
     rng = np.random.default_rng([row.seed, row.k, row.layout, target, 1])
     n = round(RUN * RATE)
     speech = [np.resize(np.roll(v, -int(rng.integers(len(v)))), n).astype(float) for v in made.voices]
+    expect_sound(speech, RATE)
     images = images_of(
         [each / np.sqrt(np.mean(each**2)) for each in speech], made.walks, heading, made.ground, made.end
     )

@@ -17,7 +17,7 @@ from ross_payload.angles import difference
 from ross_payload.dsp.stft import Stft
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Explorer, Observation, Real, Samples
-from ross_sim.study.mixtures import RATE, SNR_DB, spread
+from ross_sim.study.mixtures import RATE, SNR_DB, expect_sound, spread
 from ross_sim.study.room_settings import Setting
 
 FRAME = 1024
@@ -45,13 +45,21 @@ def render(
     seconds: float = UNIT,
     rate: int = RATE,
 ) -> Real:
-    """What both microphones hear for some seconds at every heading, (n_headings, 2, n_samples)."""
+    """What both microphones hear for some seconds at every heading, (n_headings, 2, n_samples).
+
+    Raises
+    ------
+    ConfigError
+        When a talker is silent all the time.
+    """
     unit, before = round(seconds * rate), round(BEFORE * rate)
     places = setting.places(azimuths, np.random.default_rng(np.abs(azimuths * 1e6).astype(int)))
     responses = setting.responses(places, headings.tolist(), rate)
     received = np.zeros((len(headings), 2, unit))
-    for source, voice in enumerate(voices):
-        speech = np.resize(np.roll(voice, -int(rng.integers(len(voice)))), unit * len(headings) + before)
+    n = unit * len(headings) + before
+    spoken = [np.resize(np.roll(voice, -int(rng.integers(len(voice)))), n) for voice in voices]
+    expect_sound(spoken, rate)
+    for source, speech in enumerate(spoken):
         pieces = np.stack([speech[r * unit : (r + 1) * unit + before] for r in range(len(headings))])
         image = oaconvolve(pieces[:, None], responses[:, :, source], axes=-1)[..., before : before + unit]
         received += image / np.sqrt(np.mean(image[:, 0] ** 2))

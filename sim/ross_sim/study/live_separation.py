@@ -24,7 +24,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import LiveSeparator, Real, Scene
 from ross_payload.plugin_checks import load_separator
 from ross_sim.study.live_tables import Row, appended, read_rows, tables
-from ross_sim.study.mixtures import PAPER_DEG, Mixture, aligned_heading, layouts, record, scene_of
+from ross_sim.study.mixtures import PAPER_DEG, Mixture, aligned_heading, is_silent, layouts, record, scene_of
 from ross_sim.study.option_types import NATURAL, CommaSeparated
 from ross_sim.study.page_tables import write_page
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, check_rooms
@@ -233,6 +233,8 @@ def _voices(speech: Path, rate: int, least: int) -> list[Real]:
         if voice.speech.size < round(needed * rate):
             seconds = voice.speech.size / rate
             raise ConfigError(f"talker '{voice.name}': expected at least {needed:g} s of speech, got {seconds:.1f} s")
+        if is_silent(voice.speech[: round(SECONDS * rate)]) or is_silent(voice.speech[round(SECONDS * rate) :]):
+            raise ConfigError(f"talker '{voice.name}': silent in the first {SECONDS:g} s, or after them")
     return [voice.speech for voice in found]
 
 

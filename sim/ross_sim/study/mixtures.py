@@ -17,8 +17,10 @@ from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.steering import tdoa
 from ross_payload.dsp.stft import Stft
+from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Samples, Scene, Separator
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND, Setting
+from ross_sim.talkers.speech import SILENCE
 
 PAPER_DEG = (170.0, 70.0, -50.0, -120.0, 10.0)  # the layout of the prototypes
 VOICES = ("ls3005", "ls3331", "ls2414", "ls3080", "ls533")
@@ -78,11 +80,37 @@ def aligned_heading(azimuths: Real, target: int) -> float:
     return float(headings[isolation.argmax()])
 
 
+def is_silent(voice: Samples | Real) -> bool:
+    """Whether nothing is heard in a voice (n,): below -100 dB re full scale, as of a whole recording."""
+    return bool(np.mean(np.square(voice, dtype=float)) < SILENCE**2)
+
+
+def expect_sound(voices: Sequence[Samples | Real], rate: int) -> None:
+    """Check that something is heard of every talker in what is used of his or her recording, (n,) each.
+
+    Raises
+    ------
+    ConfigError
+        Says which talker is silent, and for how long.
+    """
+    for number, voice in enumerate(voices, 1):
+        if is_silent(voice):
+            raise ConfigError(
+                f"talker {number} of {len(voices)}: expected speech, got silence in the {len(voice) / rate:g} s in use"
+            )
+
+
 def images_of(voices: Sequence[Real], places: Real, heading: float, setting: Setting, rate: int) -> Real:
     """Every talker alone at both microphones, of equal power at microphone 1, (n_sources, 2, n).
 
     The voices (n,) each are at ``places`` [m], (n_sources, dim); the array is at ``heading`` [rad].
+
+    Raises
+    ------
+    ConfigError
+        When a voice is silent.
     """
+    expect_sound(voices, rate)
     return convolved(voices, setting.responses(places, [heading], rate)[0])
 
 

@@ -35,7 +35,7 @@ from ross_payload.mission.align import ROTORS as ROTORS_SHARE
 from ross_payload.plugin_checks import load_separator
 from ross_sim.study.exploration import FRAME, NEAR_DEG, matched
 from ross_sim.study.mixtures import FRAME as LONG_FRAME
-from ross_sim.study.mixtures import HOP, LEAD_IN, RATE
+from ross_sim.study.mixtures import HOP, LEAD_IN, RATE, expect_sound
 from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.noise_scenes import (
     BLADES,
@@ -186,6 +186,7 @@ def _run(
     rng = np.random.default_rng([row.seed, row.k, row.layout, target, 1])
     n, first = round(RUN * RATE), round(LEAD_IN * RATE)
     speech = [np.resize(np.roll(v, -int(rng.integers(len(v)))), n).astype(float) for v in made.voices]
+    expect_sound(speech, RATE)
     images = images_of(speech, made.azimuths, heading)
     noise = noise_of(row.noise, LEAD_IN + RUN, clips, rng)
     lead_in, rest = noise.at(float(HEADINGS[0]), 0, first), noise.at(heading, first, first + n)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ross_payload.errors import ConfigError, unknown
 from ross_payload.interfaces import Real, Samples
-from ross_sim.study.mixtures import VOICES, layouts
+from ross_sim.study.mixtures import VOICES, is_silent, layouts
 from ross_sim.study.room_settings import SETTINGS, Setting
 from ross_sim.study.study_design import Study, Task
 from ross_sim.talkers.speech import TalkerVoice, load_folder
@@ -76,12 +76,12 @@ def standard_voices(folder: Path, rate: int, least: int) -> tuple[TalkerVoice, .
 
 
 def check_voices(voices: Sequence[TalkerVoice], study: Study) -> None:
-    """Check that there are enough talkers and that each speaks long enough.
+    """Check that there are enough talkers, that each speaks long enough and is not silent where he or she is used.
 
     Raises
     ------
     ConfigError
-        Says how many or how long it must be, and is.
+        Says how many or how long it must be, and is, or who is silent.
     """
     if len(voices) < max(study.k):
         raise ConfigError(f"expected {max(study.k)} talkers for K = {max(study.k)}, got {len(voices)}")
@@ -90,6 +90,11 @@ def check_voices(voices: Sequence[TalkerVoice], study: Study) -> None:
         if voice.speech.size < needed * study.rate_hz:
             seconds = voice.speech.size / study.rate_hz
             raise ConfigError(f"talker '{voice.name}': expected at least {needed:g} s of speech, got {seconds:.1f} s")
+        cut = round(study.run_s * study.rate_hz)
+        used = ((study.separators, voice.speech[:cut], "in"), (study.explorers, voice.speech[cut:], "after"))
+        for by, part, where in used:
+            if by and is_silent(part):
+                raise ConfigError(f"talker '{voice.name}': silent {where} the first {study.run_s:g} s")
 
 
 def heard_as(voices: Sequence[TalkerVoice]) -> dict[str, str]:

@@ -16,7 +16,7 @@ from ross_payload.localization.turning import BEFORE_S, Turned, observe
 from ross_sim.acoustics.render import Microphones, TalkerSignals
 from ross_sim.clock import QUANTUM
 from ross_sim.study.exploration import BEFORE
-from ross_sim.study.mixtures import RATE, SNR_DB
+from ross_sim.study.mixtures import RATE, SNR_DB, expect_sound
 from ross_sim.study.room_settings import SPACING, Setting
 
 SETTLING_S = 0.13  # from the end of a turn until a mission listens or turns on: of the stepper in `ross sitl` [s]
@@ -110,11 +110,17 @@ def render_turning(
     """What both microphones hear while the array turns, (2, n): the talkers and the noise of `exploration.render`.
 
     ``headings`` [rad] are those at both ends of every quantum, (n_quanta + 1,).
+
+    Raises
+    ------
+    ConfigError
+        When a talker is silent all the time.
     """
     n, before = (len(headings) - 1) * round(QUANTUM * rate), round(BEFORE * rate)
     places = setting.places(azimuths, np.random.default_rng(np.abs(azimuths * 1e6).astype(int)))
     responses = setting.responses(places, (headings[0] + GRID).tolist(), rate)
     speech = [Speech(np.resize(np.roll(voice, -int(rng.integers(len(voice)))), n + before), before) for voice in voices]
+    expect_sound([each.samples for each in speech], rate)
     received = images(speech, responses, headings - headings[0], rate)
     received = (received / np.sqrt(np.mean(received[:, :1] ** 2, axis=-1, keepdims=True))).sum(axis=0)
     noise = np.sqrt(np.mean(received[0] ** 2)) * 10 ** (-SNR_DB / 20)
