@@ -60,6 +60,18 @@ def test_scenes_that_are_kept_are_those_that_were_made(few: None, tmp_path: Path
     assert made[1].heard.shape == (2, 2, RATE // 4)
 
 
+def test_a_scene_that_was_cut_short_or_is_of_other_voices_is_made_anew(few: None, tmp_path: Path) -> None:
+    made = list(evidence_scenes.scenes(["S1"], voices(3), 5, tmp_path))
+    (path,) = tmp_path.rglob("S1-2-0-5.npz")
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    again = list(evidence_scenes.scenes(["S1"], voices(3), 5, tmp_path))
+    np.testing.assert_array_equal(made[1].heard, again[1].heard)
+    assert path.read_bytes() == whole
+    others = list(evidence_scenes.scenes(["S1"], voices(3)[::-1], 5, tmp_path))
+    assert not np.array_equal(made[1].heard, others[1].heard)
+
+
 def test_talkers_of_a_scene_are_apart(few: None) -> None:
     azimuths, responses = evidence_scenes.simulated("S1", 5)
     for seed in range(5):

@@ -5,15 +5,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 import soundfile
+from click.testing import CliRunner
 
 from ross_payload.errors import ConfigError
 from ross_payload.separation.local_gaussian_model import wiener
 from ross_payload.separation.network import encode_network, network_of, places, shipped_arrays
 from ross_payload.separation.refiner_features import N_FEATURES
-from ross_sim.study import refiner_clips, refiner_data, refiner_model
+from ross_sim.study import noise_pieces, refiner_clips, refiner_data, refiner_model, train_refiner
 from ross_sim.study.refiner_clips import N_KEPT, clips, kept_out, load, packed, piece
 from ross_sim.study.refiner_data import clip
-from ross_sim.study.train_refiner import FASTEST, GROUPS, LONGER, PIECE, SLOWER, Recipe, train, training
+from ross_sim.study.train_refiner import (
+    FASTEST,
+    GROUPS,
+    LONGER,
+    PIECE,
+    SLOWER,
+    Recipe,
+    Training,
+    steps_folder,
+    train,
+    training,
+)
 from ross_sim.study.voice_augmentation import RATE
 
 
@@ -125,6 +137,58 @@ def test_going_on_is_in_more_reverberant_rooms(tmp_path: Path, monkeypatch: pyte
     for way in (training(None, None), training(file, None)):
         assert len(list(way.make({}, tmp_path / f"{way.folder}clips", 2, 0))) == 2
     assert asked == [(0, None), (1, None), (0, LONGER), (1, LONGER)]
+
+
+def level(path: Path) -> float:
+    return float(load(path)["rate"])
+
+
+def test_clips_of_other_readers_another_seed_or_other_rooms_are_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def loudness(voices: dict[str, np.ndarray], seed: int, index: int, longest: float | None) -> float:
+        return float(sum(np.abs(voice).sum() for voice in voices.values())) + seed + index + (longest or 0.0)
+
+    monkeypatch.setattr(refiner_clips, "clip", loudness)
+    monkeypatch.setattr(refiner_clips, "packed", lambda value: {"rate": np.array(value)})
+    voices, other = _voices(), {f"u{name}": 2 * voice for name, voice in _voices().items()}
+    asked = [(voices, 0, None), (other, 0, None), (voices, 7, None), (voices, 0, LONGER)]
+    for _ in range(2):  # the second time they are read
+        for about, seed, longest in asked:
+            found = list(clips(about, tmp_path, 2, seed, longest))
+            assert [level(path) for path in found] == [loudness(about, seed, index, longest) for index in (0, 1)]
+    folders = {path.parent for about, seed, longest in asked for path in clips(about, tmp_path, 1, seed, longest)}
+    assert len(folders) == len(asked)
+    recipe = Recipe()
+    assert len({steps_folder([folder / "0-00000.npz"], recipe, 0) for folder in folders}) == len(asked)
+
+
+def test_clips_in_the_noise_of_another_motor_are_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(noise_pieces, "clip_in_noise", lambda voices, motor, seed, index: float(motor.sum()))
+    monkeypatch.setattr(noise_pieces, "packed", lambda value: {"rate": np.array(value)})
+    for motor in (np.ones(3), 2 * np.ones(3)):
+        (made,) = noise_pieces.noisy_clips(_voices(), motor, tmp_path, 1, 0)
+        assert level(made) == motor.sum()
+
+
+def test_packages_that_are_missing_are_told_before_any_clip_is_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing(name: str) -> None:
+        raise ImportError(name)
+
+    def never(*_: object) -> None:
+        raise AssertionError("a clip was made")
+
+    monkeypatch.setattr(train_refiner, "readers", lambda *_: _voices(N_KEPT + 1, 11.0))
+    monkeypatch.setattr(train_refiner, "training", lambda *_: Training(never, 1, 1, Recipe()))  # type: ignore[arg-type]
+    monkeypatch.setattr(train_refiner.importlib, "import_module", missing)
+    done = CliRunner().invoke(
+        train_refiner.main, ["--readers", str(tmp_path), "--work", str(tmp_path / "work"), str(tmp_path / "out.npz")]
+    )
+    assert done.exit_code == 2
+    assert "training needs the package jax" in done.output
+    assert not (tmp_path / "work").exists()
 
 
 def test_damaged_weights_to_begin_with_are_refused(tmp_path: Path) -> None:

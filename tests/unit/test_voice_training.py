@@ -8,12 +8,13 @@ from ross_payload.separation.local_gaussian_model import separator as gaussian
 from ross_payload.voiceprint.built_in import BuiltInModel, encode_model
 from ross_payload.voiceprint.features import RATE
 from ross_sim.study import reader_mixtures, train_voiceprint, voice_pieces
-from ross_sim.study.calibration_voices import N_FOLDS, Heard, folds_of
+from ross_sim.study.calibration_voices import N_FOLDS, Heard, enrolments, folds_of
 from ross_sim.study.reader_mixtures import groups_of, heard
 from ross_sim.study.train_voiceprint import trained
 from ross_sim.study.training_voices import readers
 from ross_sim.study.voice_calibration import Corpus, trials
-from ross_sim.study.voice_pieces import reader_of, with_speeds
+from ross_sim.study.voice_pieces import reader_of, training_pieces, with_speeds
+from ross_sim.talkers.speech import TalkerVoice
 from speaker_network import vowel
 
 TALKERS = {"ann": (220.0, 900.0), "bob": (110.0, 500.0), "cleo": (180.0, 1500.0)}
@@ -59,6 +60,27 @@ def test_a_run_that_was_interrupted_goes_on_and_ends_with_the_same_numbers(voice
     assert np.linalg.norm(BuiltInModel(whole).embed(voices["ann"])) == pytest.approx(1.0)
     assert set(found) == {None, 0}
     assert not np.array_equal(found[0].loadings, whole.loadings)  # ann tells nothing of what is learnt without her
+
+
+def test_pieces_of_other_readers_or_another_seed_are_made_anew(voices, tmp_path, monkeypatch):
+    monkeypatch.setattr(voice_pieces, "N_ROUNDS", 0)
+    monkeypatch.setattr(voice_pieces, "disturbed", lambda voice, index: [])
+    first, second = ({name: voices[name]} for name in ("ann", "bob"))
+
+    def pieces(about, seed, work):
+        return [(piece.talker, piece.features.cepstra.tolist()) for piece in training_pieces(about, work, seed)]
+
+    asked = [(first, 0), (second, 0), (second, 1)]
+    shared = [pieces(about, seed, tmp_path / "work") for about, seed in asked]
+    assert shared == [pieces(about, seed, tmp_path / f"fresh{seed}{next(iter(about))}") for about, seed in asked]
+    assert shared == [pieces(about, seed, tmp_path / "work") for about, seed in asked]
+    assert [found[0][0] for found in shared] == ["ann", "bob", "bob"]
+
+
+def test_enrolments_of_another_talker_of_that_name_are_made_anew(voices, tmp_path):
+    ann, bob = (TalkerVoice("ann", voices[name], voices[name], RATE) for name in ("ann", "bob"))
+    found = [enrolments([voice], tmp_path)["ann"][0].cepstra for voice in (ann, bob)]
+    assert not np.array_equal(*found)
 
 
 def test_a_reader_at_other_speeds_is_two_other_talkers_of_the_same_fold(voices):

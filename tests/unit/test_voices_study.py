@@ -107,5 +107,5 @@ def test_the_built_in_model_is_calibrated_by_whole_voices(monkeypatch, tmp_path)
     monkeypatch.setattr(calibration_voices, "N_SCENES", {"others": 1})
     monkeypatch.setattr(voiceprint_study, "DURATIONS", (3.0,))
     calibration_voices.heard_in_rooms("others", [voices], tmp_path, 0)
-    with np.load(tmp_path / "others-S1-00.npz") as kept:
+    with np.load(next(tmp_path.rglob("others-S1-00.npz"))) as kept:
         assert {len(voice) for voice in kept.values()} == {3 * VOICE_RATE}

@@ -19,6 +19,7 @@ from ross_payload.voiceprint.features import Features, analyse, at_rate
 from ross_payload.voiceprint.speaker_model import ENROL_SECONDS
 from ross_sim.cache import Array, cached
 from ross_sim.study.mixtures import RATE as MIXTURE_RATE
+from ross_sim.study.training_voices import voices_fingerprint
 from ross_sim.study.voice_augmentation import RATE
 from ross_sim.study.voice_pieces import Piece, packed, sixteen_bits, unpacked
 from ross_sim.study.voiceprint_study import OUTSIDE, TALKERS, scenes
@@ -94,7 +95,8 @@ def enrolled_readers(voices: Mapping[str, Real], folds: Mapping[str, int]) -> li
 
 def heard_in_rooms(corpus: str, groups: Sequence[Sequence[TalkerVoice]], work: Path, seed: int) -> list[Heard]:
     """Return the separated voices of mixtures in `ROOMS`; those in a mixture are of one of the groups, in turn."""
-    found = []
+    found, said = [], {f"{fold} {v.name}": v.speech for fold, group in enumerate(groups) for v in group}
+    work /= f"heard-{voices_fingerprint(said, seed=seed)}"
     for where, room in enumerate(ROOMS):
         for number in range(N_SCENES[corpus]):
             fold, name = number % len(groups), f"{corpus}-{room}-{number:02d}"
@@ -127,7 +129,8 @@ def enrolments(voices: Sequence[TalkerVoice], work: Path) -> dict[str, list[Feat
             samples = resampled(voice.enrolment, voice.rate, RATE).astype(float)
             return packed([Piece(voice.name, analyse(clip, RATE)) for clip in (samples, *disturbed(samples))])
 
-        clips = [piece.features for piece in unpacked(cached(work / f"enrolled-{voice.name}.npz", made))]
+        name = f"enrolled-{voice.name}-{voices_fingerprint({voice.name: voice.enrolment}, rate=voice.rate)}"
+        clips = [piece.features for piece in unpacked(cached(work / f"{name}.npz", made))]
         if clips[0].seconds >= ENROL_SECONDS:
             found[voice.name] = clips
     return found

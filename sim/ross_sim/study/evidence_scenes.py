@@ -8,8 +8,9 @@ and the noise is 8 to 25 dB below. Scenes can be kept in a folder.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from itertools import product
 from pathlib import Path
 
@@ -18,10 +19,12 @@ import scipy.fft
 
 from ross_payload.interfaces import Real, Samples
 from ross_sim.acoustics.room import RoomSpec, respond
+from ross_sim.cache import Array, cached
 from ross_sim.study.elevation_study import FIELDS
 from ross_sim.study.exploration import BEFORE, STEP, UNIT
 from ross_sim.study.mixtures import APART, RATE, SNR_DB
 from ross_sim.study.room_settings import ARRAY, SETTINGS, SPACING, SPEED_OF_SOUND, Setting
+from ross_sim.study.training_voices import voices_fingerprint
 
 PLACES = 36
 HEADINGS = STEP * np.arange(13)
@@ -31,6 +34,7 @@ SILENT = 12  # scenes of noise alone
 LOUDER_DB, SNRS_DB = 3.0, (8.0, 25.0)  # of every fourth scene
 LEVEL = 0.05  # root mean square of what is kept, of full scale
 FULL = 32767
+Places = Callable[[], tuple[Real, Samples]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +67,8 @@ class EvidenceScene:
 
 def scenes(rooms: Sequence[str], voices: Sequence[Samples], seed: int, folder: Path | None) -> Iterator[EvidenceScene]:
     """Make the scenes of some rooms, or read those that ``folder`` keeps; voices are (n,) at `RATE`."""
+    if folder is not None:
+        folder /= voices_fingerprint({str(index): voice for index, voice in enumerate(voices)})
     for index in range(SILENT):
         rng = np.random.default_rng([seed, index])
         noise = LEVEL * rng.standard_normal((len(HEADINGS), 2, round(UNIT * RATE)))
@@ -70,19 +76,16 @@ def scenes(rooms: Sequence[str], voices: Sequence[Samples], seed: int, folder: P
     for room in rooms:
         drawn = SCENES if not ROOMS[room].flat and ROOMS[room].t60 else IN_PLANES
         names = [(k, n, f"{room}-{k}-{n}-{seed}.npz") for k, count in drawn.items() for n in range(count)]
-        missing = folder is None or any(not (folder / name).exists() for _, _, name in names)
-        azimuths, responses = simulated(room, seed) if missing else (np.zeros(0), np.zeros(0, np.float32))
+        places = cache(partial(simulated, room, seed))
         for k, n, name in names:
-            path = None if folder is None else folder / name
-            if path is None or not path.exists():
+
+            def made(room: str = room, k: int = k, n: int = n, places: Places = places) -> dict[str, Array]:
                 rng = np.random.default_rng([seed, _number(room), k, n])
-                heard, places = mixed(azimuths, responses, voices, k, odd=n % 4 == 3, rng=rng)
-                if path is not None:
-                    np.savez(path, allow_pickle=False, x=heard, az=places)
-            else:
-                with np.load(path, allow_pickle=False) as kept:
-                    heard, places = kept["x"], kept["az"]
-            yield EvidenceScene(name.removesuffix(".npz"), heard.astype(np.float32) / FULL, places)
+                heard, azimuths = mixed(*places(), voices, k, odd=n % 4 == 3, rng=rng)
+                return {"x": heard, "az": azimuths}
+
+            kept = made() if folder is None else cached(folder / name, made)
+            yield EvidenceScene(name.removesuffix(".npz"), kept["x"].astype(np.float32) / FULL, kept["az"])
 
 
 def _number(room: str) -> int:

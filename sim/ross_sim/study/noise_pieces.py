@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from ross_sim.cache import Array, cached
 from ross_sim.study.noise_clips import NoisyClip, clip_in_noise
 from ross_sim.study.refiner_clips import Batch
 from ross_sim.study.refiner_data import FRAME
+from ross_sim.study.training_voices import voices_fingerprint
 
 
 def packed(made: NoisyClip) -> dict[str, Array]:
@@ -30,7 +32,9 @@ def packed(made: NoisyClip) -> dict[str, Array]:
 
 
 def noisy_clips(voices: Mapping[str, Real], motor: Real | None, folder: Path, count: int, seed: int) -> Iterator[Path]:
-    """Make the clips that a folder lacks."""
+    """Make the clips that a folder lacks; other voices, and another motor, have other ones."""
+    propeller = None if motor is None else hashlib.sha256(motor.tobytes()).hexdigest()
+    folder /= voices_fingerprint(voices, seed=seed, motor=propeller, noise=True)
     for index in range(count):
         path = folder / f"{seed}-{index:05d}.npz"
         if not path.exists():

@@ -14,6 +14,7 @@ from ross_payload.separation.network import places
 from ross_payload.separation.refiner_features import LEAST, features, stacked
 from ross_sim.cache import Array, cached
 from ross_sim.study.refiner_data import FRAME, Clip, clip
+from ross_sim.study.training_voices import voices_fingerprint
 from ross_sim.study.voice_augmentation import RATE
 
 N_KEPT, LONG_ENOUGH = 16, 10.0  # readers of whom only the clips that watch the training are made, and their speech [s]
@@ -46,7 +47,8 @@ def packed(made: Clip) -> dict[str, Array]:
 def clips(
     voices: Mapping[str, Real], folder: Path, count: int, seed: int, longest: float | None = None
 ) -> Iterator[Path]:
-    """Make the clips that a folder lacks, up to another T60 [s] than usual when told."""
+    """Make the clips that a folder lacks, up to another T60 [s] than usual when told; other voices have other ones."""
+    folder /= voices_fingerprint(voices, seed=seed, longest=longest)
     for index in range(count):
         path = folder / f"{seed}-{index:05d}.npz"
         if not path.exists():

@@ -52,6 +52,7 @@ WARM, FALLING = 300, 0.35  # steps in which the step size rises, and share of th
 MEMORY = 0.004  # of the average of the weights, per step
 EACH = 1000  # steps between what is kept
 EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
+PACKAGES = ("jax", "optax")
 ONE_THREAD = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 
 
@@ -123,9 +124,9 @@ def train(
     ConfigError
         When jax or optax is missing, or no clip can be used.
     """
-    jax, optax = _import("jax"), _import("optax")
+    jax, optax = map(_import, PACKAGES)
     known = list(usable(paths, purpose))
-    kept = work / f"steps-{fingerprint(recipe=asdict(recipe), seed=seed, clips=[path.name for path in paths])[:8]}"
+    kept = work / steps_folder(paths, recipe, seed)
     method, advance, judge = _compiled(jax, optax, purpose)
     weights = purpose.begin(recipe, seed)
     now = Progress(0, weights, weights, *jax.tree.flatten(method.init(weights)))
@@ -147,6 +148,12 @@ def train(
 
         now = _unpacked(cached(kept / f"{done:06d}.npz", some), replace(now, step=done, losses=[]))
     return {name: np.asarray(array) for name, array in now.mean.items()}
+
+
+def steps_folder(paths: Sequence[Path], recipe: Recipe, seed: int) -> str:
+    """What the folder is called in which the steps of a training on these clips are kept."""
+    made = [f"{path.parent.name}/{path.name}" for path in paths]  # the folder of clips says of which voices they are
+    return f"steps-{fingerprint(recipe=asdict(recipe), seed=seed, clips=made)[:8]}"
 
 
 def usable(paths: Sequence[Path], purpose: Purpose = WHITE) -> Iterator[Path]:
@@ -256,7 +263,8 @@ def training(begin: Path | None, motor: Path | None) -> Training:
         def make(voices: Mapping[str, Real], folder: Path, count: int, seed: int) -> Iterator[Path]:
             return noise_pieces.noisy_clips(voices, sound, folder, count, seed)
 
-        recipe = replace(recipe, n_steps=N_NOISY_STEPS, each=500, fastest=FASTEST)
+        begun = recipe.begun or hashlib.sha256(encode_network(weights)).hexdigest()
+        recipe = replace(recipe, n_steps=N_NOISY_STEPS, each=500, fastest=FASTEST, begun=begun)
         return Training(make, N_NOISY_CLIPS, N_NOISY_WATCHED, recipe, in_noise(weights))
     if begin is not None:
         purpose = replace(WHITE, begin=lambda *_: weights)
@@ -295,6 +303,8 @@ def main(
         with threadpool_limits(1):
             way = training(begin, motor)
             voices = readers(folder, "train")
+            for package in PACKAGES:
+                _import(package)  # said now, not after hours of making clips
             held = {name: voices.pop(name) for name in kept_out(voices, seed)}
             watched = list(
                 usable(list(way.make(held, work / f"{way.folder}watched", way.n_watched, seed + 1)), way.purpose)

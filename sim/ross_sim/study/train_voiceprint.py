@@ -36,7 +36,7 @@ from ross_sim.study.calibration_voices import (
 )
 from ross_sim.study.option_types import NATURAL
 from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
-from ross_sim.study.training_voices import readers, recipes, synthetic
+from ross_sim.study.training_voices import readers, recipes, synthetic, voices_fingerprint
 from ross_sim.study.voice_augmentation import excerpt
 from ross_sim.study.voice_calibration import Corpus, calibrated
 from ross_sim.study.voice_factors import discriminants, first_loadings, improved_loadings
@@ -75,6 +75,7 @@ def trained(
 ) -> dict[int | None, Parameters]:
     """Learn everything but the calibration from recordings (n,) of talkers: of all (None), and without each fold."""
     pieces = list(training_pieces(voices, work, seed))
+    work /= f"learnt-{voices_fingerprint(voices, folds=dict(folds), seed=seed)}"
     pitches = np.array([pitch_of(piece.features) for piece in pieces])
     owners = np.array([folds.get(reader_of(piece.talker), -1) for piece in pieces])
     learnt: dict[int | None, Parameters] = {}

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+import hashlib
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
-from ross_sim.cache import cache_folder, cached, fingerprint
+from ross_sim.cache import Array, cache_folder, cached, fingerprint
 from ross_sim.study.voice_augmentation import RATE
 from ross_sim.talkers.speech import read
 from ross_sim.talkers.synthetic_voices import Recipe, levelled, speak, speech_text
@@ -37,6 +39,19 @@ def readers(folder: Path, chosen: str) -> dict[str, Real]:
     if not rows:
         raise ConfigError(f"{folder / LIST}: expected readers of the set '{chosen}', got none")
     return {name: read(folder / name / file, RATE).astype(float) for name, file in sorted(rows)}
+
+
+def voices_fingerprint(voices: Mapping[str, Array], **more: Any) -> str:
+    """Hash who is learnt from, recordings (n,) by name, and whatever else what is made of them depends on.
+
+    >>> one, other = np.zeros(3), np.ones(3)
+    >>> voices_fingerprint({"a": one}) == voices_fingerprint({"a": other})
+    False
+    >>> voices_fingerprint({"a": one}, seed=0) == voices_fingerprint({"a": one}, seed=1)
+    False
+    """
+    heard = {name: hashlib.sha256(voice.tobytes()).hexdigest() for name, voice in voices.items()}
+    return fingerprint(voices=heard, **more)[:12]
 
 
 def recipes(n: int, rng: np.random.Generator) -> Iterator[Recipe]:

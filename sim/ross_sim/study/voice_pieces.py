@@ -17,6 +17,7 @@ from ross_payload.voiceprint.disturbed_copies import disturbed
 from ross_payload.voiceprint.features import Features, analyse
 from ross_sim.cache import Array, cached
 from ross_sim.study.reader_mixtures import COLOURED, groups_of, heard
+from ross_sim.study.training_voices import voices_fingerprint
 from ross_sim.study.voice_augmentation import RATE, at_speed, coloured, excerpt
 
 N_ROUNDS = 1  # in which everybody is heard in a mixture
@@ -55,7 +56,11 @@ def with_speeds(voices: Mapping[str, Real], seed: int) -> dict[str, Real]:
 
 
 def training_pieces(voices: Mapping[str, Real], work: Path, seed: int) -> Iterator[Piece]:
-    """Make pieces of everybody (n,): clean, disturbed, and separated from others in `N_ROUNDS` rounds of mixtures."""
+    """Make pieces of everybody (n,): clean, disturbed, and separated from others in `N_ROUNDS` rounds of mixtures.
+
+    What was made of the same voices and seed is read from ``work``.
+    """
+    work /= f"pieces-{voices_fingerprint(voices, seed=seed)}"
     for index, (name, voice) in enumerate(sorted(voices.items())):
 
         def alone(index: int = index, name: str = name, voice: Real = voice) -> dict[str, Array]:
