@@ -268,14 +268,13 @@ def test_every_argument_is_named_after_what_it_is():
 
 
 def commands(command, path=("ross",)):
-    """Every command that is no group, and how it is called; those of `ross study` are for research alone."""
+    """Every command that is no group, and how it is called."""
     if not isinstance(command, click.Group):
         yield " ".join(path), command
         return
     context = click.Context(command, info_name=path[-1])
     for name in command.list_commands(context):
-        if (*path, name) != ("ross", "study"):
-            yield from commands(command.get_command(context, name), (*path, name))
+        yield from commands(command.get_command(context, name), (*path, name))
 
 
 NUMBERS = [

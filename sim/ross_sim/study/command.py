@@ -8,9 +8,10 @@ from typing import Any
 import click
 
 from ross_payload.errors import ConfigError, unknown
+from ross_payload.option_types import NumberRange
 from ross_payload.plugins import install_line
 from ross_sim.study.benchmark.command import benchmark
-from ross_sim.study.option_types import CommaSeparated, EngineName, Finite, ShardNumber
+from ross_sim.study.option_types import CommaSeparated, EngineName, ShardNumber
 
 DEFAULT = "separators"
 LOWEST, HIGHEST, FASTEST = 1.0, 100.0, 3.0  # of listening from above [m], [m/s]
@@ -296,7 +297,7 @@ def status(folder: Path) -> int:
 )
 @click.option("--layouts", type=click.IntRange(1, 1000), default=8, help="Of every K from 1 to 3.")
 @click.option("--separated", type=click.IntRange(min=0), default=1, help="Of these, so many are separated, too.")
-@click.option("--ground", type=Finite(0, 1), default=0.5, help="Reflection coefficient of the ground.")
+@click.option("--ground", type=NumberRange(0, 1), default=0.5, help="Reflection coefficient of the ground.")
 @click.option("--separator", default="refined", help="Name of a separator.")
 @click.option("--seed", type=click.IntRange(min=0), default=1, help="Seed of everything random.")
 def above_study(*, out: Path, speech: Path, noise: Path | None, **asked: Any) -> int:

@@ -61,15 +61,6 @@ class CommaSeparated(click.ParamType[Any]):
         return value
 
 
-class Finite(click.FloatRange):
-    """A number from ``min`` to ``max``, and not NaN, which click takes for one of every range."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Read and check."""
-        number = super().convert(value, param, ctx)
-        return number if math.isfinite(number) else self.fail(f"expected a finite number, got '{value}'", param, ctx)
-
-
 NATURAL, POSITIVE = click.IntRange(min=0), click.IntRange(min=1)
 
 

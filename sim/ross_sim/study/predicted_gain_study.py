@@ -24,8 +24,9 @@ from ross_payload.alignment import predicted_gain
 from ross_payload.alignment.plan import isolation
 from ross_payload.angles import Real
 from ross_payload.interfaces import Separator
+from ross_payload.option_types import NumberRange
 from ross_sim.study.mixtures import RATE, aligned_heading, gains, layouts, record
-from ross_sim.study.option_types import NATURAL, CommaSeparated, Finite
+from ross_sim.study.option_types import NATURAL, CommaSeparated
 from ross_sim.study.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting, check_rooms
 from ross_sim.study.script_errors import told_in_a_line
 from ross_sim.study.study_design import Study
@@ -131,8 +132,8 @@ def line(name: str, n_sources: int, found: Sequence[Curve]) -> str:
     help="Numbers of talkers.",
 )
 @click.option("--layouts", "count", type=click.IntRange(min=1), default=4, show_default=True)
-@click.option("--step-deg", type=Finite(1, 90), default=15.0, show_default=True)
-@click.option("--seconds", type=Finite(2, 10), default=6.0, show_default=True)
+@click.option("--step-deg", type=NumberRange(1, 90), default=15.0, show_default=True)
+@click.option("--seconds", type=NumberRange(2, 10), default=6.0, show_default=True)
 @click.option("--seed", type=NATURAL, default=0, show_default=True)
 def main(
     *,
