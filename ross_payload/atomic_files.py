@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import json
 import os
@@ -13,43 +14,33 @@ from pathlib import Path
 from typing import Any
 
 PART = ".part"  # in the name of what is not whole yet
+NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK)  # of a file system without hard links
 
 
 @contextmanager
-def replacing(path: Path, mode: int = 0o666, *, new: bool = False) -> Iterator[Path]:
+def replacing(path: Path, mode: int = 0o666) -> Iterator[Path]:
     """Give an empty file beside ``path``; it takes the place of ``path`` in the end, unless something went wrong.
 
-    Its name is its own, so that of two writers the last wins with a whole file; if ``new``, the first. ``mode`` is
-    narrowed by the umask.
+    Its name is its own, so that of two writers the last wins with a whole file. ``mode`` is narrowed by the umask.
 
     Raises
     ------
     OSError
-        When it cannot be made or put in place; FileExistsError when it is to be new and ``path`` is there.
+        When it cannot be made or put in place.
     """
-    part, lock = _locked_part(path, mode)
+    part, handle = _part_of(path, mode)
+    os.close(handle)
     try:
         yield part
-        if new:
-            os.link(part, path)
-        else:
-            part.replace(path)
+        part.replace(path)
     finally:
-        os.close(lock)
         part.unlink(missing_ok=True)
 
 
-def _locked_part(path: Path, mode: int) -> tuple[Path, int]:
-    """Make a file beside ``path`` and lock it until it is closed: one that nobody has locked was left by a kill."""
-    while True:
-        name = f".{secrets.token_hex(4)}{PART}-{path.name}"  # with its suffix, by which formats are chosen
-        part = path.with_name(name)
-        handle = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
-        with suppress(OSError):  # a file system without locks
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        if part.exists():  # else somebody removed it before it was locked
-            return part, handle
-        os.close(handle)
+def _part_of(path: Path, mode: int) -> tuple[Path, int]:
+    """Make and open a file beside ``path``."""
+    part = path.with_name(f".{secrets.token_hex(4)}{PART}-{path.name}")  # with its suffix, by which formats are chosen
+    return part, os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, mode)
 
 
 def remove_leftovers(folder: Path, pattern: str) -> None:
@@ -67,21 +58,43 @@ def remove_leftovers(folder: Path, pattern: str) -> None:
 def write_whole(path: Path, data: bytes, *, new: bool = False) -> None:
     """Write a file crash-safe, for its owner alone, and its folder where it is missing; if ``new``, in place of none.
 
+    It is locked while it is written: what nobody has locked was left by a kill.
+
     Raises
     ------
     OSError
-        When it cannot be written, or is to be new and is there.
+        When it cannot be written; FileExistsError when it is to be new and is there.
     """
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    with replacing(path, 0o600, new=new) as part, part.open("wb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
+    part, handle = _part_of(path, 0o600)
+    try:
+        with FileIO(handle, "w") as file:  # all through the one that is locked: SMB refuses any other
+            with suppress(OSError):  # a file system without locks
+                fcntl.flock(file, fcntl.LOCK_EX)
+            append(file, data)
+            os.fsync(handle)
+            if new:
+                _put_in_place_of_none(part, path)
+            else:
+                part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
     folder = os.open(path.parent, os.O_RDONLY)
     try:
         os.fsync(folder)  # the new name, too, outlives a power cut
     finally:
         os.close(folder)
+
+
+def _put_in_place_of_none(part: Path, path: Path) -> None:
+    """Give a file its name unless that is taken."""
+    try:
+        os.link(part, path)
+    except OSError as error:
+        if error.errno not in NO_LINKS:
+            raise
+        os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600))  # taken: nobody else may
+        part.replace(path)
 
 
 def json_text(values: Any) -> str:

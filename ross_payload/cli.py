@@ -75,8 +75,8 @@ def check(file: Path) -> None:
 
     why = unusable_recordings(recording_path(loaded(file)))
     click.echo(f"{file}: good")
-    if why:  # it may be there in flight: a stick that is not plugged in, another computer
-        click.echo(f"note: {why}; nothing would be recorded")
+    if why:  # it may be there in flight: a stick that is not plugged in, another computer, the service's user
+        click.echo(f"note: {why}; you could record nothing there")
 
 
 @config.command("show")
@@ -168,7 +168,7 @@ def _unusable(error: OSError) -> str:
     """Say which file cannot be used, and why; raise the error again when it names none."""
     if not isinstance(error.filename, str | bytes):
         raise error
-    verb = "written" if error.errno in UNWRITABLE else "read"
+    verb = {errno.EACCES: "used", **dict.fromkeys(UNWRITABLE, "written")}.get(error.errno or 0, "read")
     return f"{os.fsdecode(error.filename)}: cannot be {verb}: {reason(error)}"
 
 

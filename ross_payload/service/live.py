@@ -172,5 +172,7 @@ def _run(runner: Runner, manager: Manager) -> None:
             result = hearing_signals(mission.submit(runner.run))
         except AudioEnded as ended:
             log.info("%s", ended)
+        except OSError as error:  # nobody's input any more
+            raise RuntimeError(f"a fault in flight: {error}") from error
         else:
             log.info("%s", result.reason)

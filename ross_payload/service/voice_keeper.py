@@ -71,11 +71,19 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
 
     def _choose(self) -> str:
         """Return the lowest number that nobody has, here or in the store, which other programs write to as well."""
-        taken = self._names | set(self._store.names() if self._store is not None else ())
+        taken = self._names | self._stored()
         name = next(name for number in count(1) if (name := f"talker-{number}") not in taken)
         self._names.add(name)
         self._chosen.add(name)
         return name
+
+    def _stored(self) -> set[str]:
+        """Return who has a print in the store, as far as it can be read: it may be on a disk that is gone."""
+        try:
+            return set(self._store.names()) if self._store is not None else set()
+        except (ConfigError, OSError) as error:
+            log.warning("%s", error)
+            return set()
 
     def _keep(self, store: VoiceStore, name: str, voice: EmbeddingPrint) -> None:
         try:

@@ -64,7 +64,7 @@ def save(voice: EmbeddingPrint, path: Path, *, new: bool = False) -> None:
     try:
         write_whole(path, (json.dumps(content) + "\n").encode(), new=new)
     except OSError as error:
-        if new and os.path.lexists(path):
+        if new and isinstance(error, FileExistsError) and os.path.lexists(path):
             raise NameTaken(f"{path}: expected a new voice print, got one that is there") from error
         raise ConfigError(f"{path}: the voice print cannot be written: {error.strerror}") from error
 

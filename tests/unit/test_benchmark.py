@@ -314,7 +314,7 @@ def test_scores_of_other_scenes_are_not_mixed(audio, tmp_path, ross):
     (tmp_path / "rows" / "scenes.json").unlink()
     code, _, errors = scored(ross, audio, tmp_path / "mine", tmp_path / "rows")
     assert (code, errors.count("\n")) == (2, 1)
-    assert "scenes.json: expected what the scores beside it are of" in errors
+    assert "holds scores, and no scenes.json that says of what" in errors
 
 
 @pytest.mark.parametrize(

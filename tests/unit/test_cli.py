@@ -315,20 +315,22 @@ def test_a_turn_by_nan_is_one_line_before_anything_is_opened(run, tmp_path, opti
 
 
 @pytest.mark.parametrize(
-    ("arguments", "path"),
+    ("arguments", "path", "verb"),
     [
-        (("sitl", "--speech", "inner"), "inner"),
-        (("listen", "rtp://127.0.0.1:5004", "--out", "inner/a.wav"), "inner/a.wav"),
-        (("ground", "--flights", "inner"), "inner"),
-        (("voice-model", "list"), "ross/voice-models"),
+        (("sitl", "--speech", "inner"), "inner", "used"),
+        (("listen", "rtp://127.0.0.1:5004", "--out", "inner/a.wav"), "inner/a.wav", "used"),
+        (("ground", "--flights", "inner"), "inner", "used"),
+        (("voice-model", "list"), "ross/voice-models", "read"),
     ],
 )
-def test_what_lies_in_a_folder_that_may_not_be_entered_is_told_in_one_line(run, monkeypatch, closed, arguments, path):
+def test_what_lies_in_a_folder_that_may_not_be_entered_is_told_in_one_line(
+    run, monkeypatch, closed, arguments, path, verb
+):
     run(*(closed / "none" / each if each.startswith("inner") else each for each in arguments))  # imports what it needs
     monkeypatch.setenv("XDG_DATA_HOME", str(closed))
     with nobody():
         said = run(*(closed / each if each.startswith("inner") else each for each in arguments))
-    assert said == (2, "", f"ross: {closed / path}: cannot be read: Permission denied\n")
+    assert said == (2, "", f"ross: {closed / path}: cannot be {verb}: Permission denied\n")
 
 
 def test_sessions_of_a_folder_that_is_not_there_are_refused(run, tmp_path):

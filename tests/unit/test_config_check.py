@@ -140,5 +140,5 @@ def test_checking_makes_no_folder_and_opens_no_device(run, tmp_path):
 
 def test_a_recording_folder_that_cannot_be_made_is_noted_and_refuses_nothing(run, tmp_path):
     (tmp_path / "good.toml").write_text("[recording]\nfolder = 'good.toml/all'\n")
-    note = "note: recording.folder: good.toml/all cannot be made: Not a directory; nothing would be recorded\n"
+    note = "note: recording.folder: good.toml/all cannot be made: Not a directory; you could record nothing there\n"
     assert run("config", "check", "good.toml") == (0, f"good.toml: good\n{note}", "")

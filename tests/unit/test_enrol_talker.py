@@ -1,12 +1,15 @@
 """Enrolment by pointing: turn, separate, learn the voice; nobody is enrolled who has not agreed, and no mixture."""
 
+import errno
 import json
+import os
+import stat
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ross_payload.errors import AudioError
+from ross_payload.errors import AudioError, ConfigError
 from ross_payload.events import Answer, Enrolled, Separated, TurnStarted
 from ross_payload.interfaces import Groups, Quality
 from ross_payload.mission import enrol_talker
@@ -222,6 +225,33 @@ def test_a_number_that_was_enrolled_meanwhile_is_not_given_again(store):
     with VoiceKeeper(store) as keeper:
         store.save("talker-1", model_of())
         assert keeper.named(Enrol(source=0, consent=True)).name == "talker-2"
+
+
+def test_a_disk_that_fails_gets_one_print_and_not_one_after_the_other(store, monkeypatch):
+    """The file is there, and its folder may not be synchronised."""
+    said = []
+
+    def fsync(handle):
+        if stat.S_ISDIR(os.fstat(handle).st_mode):
+            raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr("ross_payload.atomic_files.os.fsync", fsync)
+    with VoiceKeeper(store) as keeper:
+        name = keeper.named(Enrol(source=0, consent=True)).name
+        keeper.on_event(Enrolled(1.0, name, 0, 0.0, 5.0, model_of()), None)
+    keeper.poll(said.append)
+    assert store.names() == ("talker-1",)
+    assert "Input/output error" in said[0]
+
+
+def test_a_store_that_cannot_be_read_any_more_ends_no_payload(store):
+    class Gone:
+        def names(self):
+            raise ConfigError("voices: cannot be read: Permission denied")
+
+    with VoiceKeeper(store) as keeper:
+        keeper._store = Gone()
+        assert keeper.named(Enrol(source=0, consent=True)).name == "talker-1"
 
 
 def test_a_number_that_was_asked_for_replaces_the_print(store):

@@ -1,20 +1,23 @@
 """Voice prints on disk: private, whole or absent, and refused when damaged."""
 
+import errno
+import fcntl
 import json
 import stat
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from ross_payload.atomic_files import replacing
 from ross_payload.bounded_files import set_aside
 from ross_payload.errors import ConfigError
 from ross_payload.sessions.npz_memory import packed_voice, restored_voice
 from ross_payload.voiceprint import EmbeddingPrint, VoiceStore, built_in_model, load, save
 from ross_payload.voiceprint.embedding_print import unit
+from ross_payload.voiceprint.store import NameTaken
 
 MODEL = built_in_model()
 
@@ -105,11 +108,44 @@ def test_a_damaged_print_that_was_set_aside_is_forgotten_too(model, store):
 
 
 def test_saving_removes_what_a_kill_has_left_but_not_what_is_being_written(model, store, leftover):
-    with replacing(store.path("cleo")) as part:
+    part = store.folder / ".0a1b2c3d.part-cleo.json"
+    with part.open("w") as written:
+        fcntl.flock(written, fcntl.LOCK_EX)
         store.save("bob", model)
         assert part.exists()
         assert not leftover.exists()
-    assert store.names() == ("bob", "cleo")
+
+
+def test_what_is_being_written_is_locked(model, store, monkeypatch):
+    saved = []
+
+    def fsync(handle):
+        for path in store.folder.glob(".*part*"):
+            with path.open() as other, pytest.raises(BlockingIOError):
+                fcntl.flock(other, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            saved.append(path)
+
+    monkeypatch.setattr("ross_payload.atomic_files.os.fsync", fsync)
+    store.save("bob", model)
+    assert len(saved) == 1
+
+
+@pytest.mark.parametrize("taken", [False, True])
+def test_a_new_print_needs_no_hard_links(model, store, monkeypatch, taken):
+    """As on a memory card."""
+
+    def link(*_):
+        raise PermissionError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr("ross_payload.atomic_files.os.link", link)
+    if taken:
+        store.save("talker-1", model)
+        with pytest.raises(NameTaken):
+            store.save("talker-1", replace(model, seconds=9.0), new=True)
+    else:
+        store.save("talker-1", model, new=True)
+    assert store.load("talker-1").seconds == model.seconds
+    assert [path.name for path in store.folder.iterdir()] == ["talker-1.json"]
 
 
 def test_nobody_of_that_name(model, store):

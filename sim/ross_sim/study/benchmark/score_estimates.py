@@ -172,7 +172,9 @@ def _claim(out: Path, scenes: dict[str, Any]) -> None:
             with replacing(path) as part:
                 part.write_text(json_text(scenes), encoding="utf-8")
         return
-    with refused_as(ConfigError, f"{path}: expected what the scores beside it are of; choose another folder"):
+    if not path.exists():
+        raise ConfigError(f"--out {out}: holds scores, and no {SCENES} that says of what; choose another folder")
+    with refused_as(ConfigError, f"{path}: cannot be read"):
         other = difference(json_of(path), scenes)
     if other:
         raise ConfigError(f"--out {out}: holds scores of other scenes ({other}); choose another folder")
