@@ -107,8 +107,9 @@ class Guard:
 
         What others turn is brought to rest, too; they may turn it again.
         """
-        self._stopped = self._monitor.stopped = True
+        self._stopped = True
         self._halt()
+        self._monitor.stopped = True  # by now it is told to come to rest
         if self._shared is not None:
             self._shared.brake()
 
@@ -141,7 +142,8 @@ class Guard:
             When the actuator itself is still not well; `home` clears a lost position.
         """
         self._fault = self._later = ""
-        self._stopped = self._failed = self._monitor.stopped = False
+        self._stopped = self._failed = False
+        self._monitor.watch_no_stop()
         state = self.state()
         if not state.healthy:
             self._fault = state.fault

@@ -36,6 +36,7 @@ class MotionMonitor:
     def forget(self) -> None:
         """Expect nothing."""
         self.goal, self.doing = None, ""
+        self._rested, self._turning_since = False, math.inf
         self._deadline = self._rest_by = math.inf
 
     def expect_others(self) -> None:
@@ -60,7 +61,7 @@ class MotionMonitor:
 
     def expect_goal(self, goal: float, here: float, able: Capabilities) -> None:
         """Expect it at ``goal``, and not much farther beyond a limit than ``here``, all [rad]."""
-        self._rested = False
+        self._rested, self._turning_since = False, math.inf
         self.goal, self._room = goal, beyond(here, able) + RUNAWAY_RAD
         self.shared = False
         self.doing, self._rest_by = "", math.inf
@@ -68,13 +69,17 @@ class MotionMonitor:
     def expect_homing(self) -> None:
         """Expect it homed; a fault that was there before may last a while."""
         self.forget()
-        self.shared, self.doing, self._well, self._rested = False, HOMING, False, False
+        self.shared, self.doing, self._well = False, HOMING, False
+
+    def watch_no_stop(self) -> None:
+        """No stop is latched any more: whatever turns has been allowed to."""
+        self.stopped, self._turning_since = False, math.inf
 
     def expect_rest(self, now: float, able: Capabilities) -> None:
         """Expect rest within twice the time that braking takes and a second."""
         rest_by = min(self._rest_by, now + 2 * able.max_speed / able.max_acceleration + 1.0)
         self.forget()
-        self._rest_by, self._rested = rest_by, False
+        self._rest_by = rest_by
 
     def turns_on(self, now: float) -> bool:
         """Whether it was not at rest in time; asked once in `TOLD_AGAIN_S`."""
@@ -117,7 +122,7 @@ class MotionMonitor:
             return f"at {math.degrees(state.angle):.2f} deg, not {wanted} after {self._rules.max_move_s:g} s"
         if now > self._rest_by:
             return f"still turning after a stop, at {math.degrees(state.rate):.1f} deg/s"
-        if state.time - self._turning_since > UNASKED_S:
+        if self.stopped and state.time - self._turning_since > UNASKED_S:
             return f"turning again after a stop, at {math.degrees(state.rate):.1f} deg/s"
         return ""
 

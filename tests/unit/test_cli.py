@@ -314,23 +314,22 @@ def test_a_turn_by_nan_is_one_line_before_anything_is_opened(run, tmp_path, opti
     assert err == f"ross: Invalid value for '{option}': expected a finite number, got nan\n"
 
 
-@pytest.mark.parametrize(
-    ("arguments", "path", "verb"),
-    [
-        (("sitl", "--speech", "inner"), "inner", "used"),
-        (("listen", "rtp://127.0.0.1:5004", "--out", "inner/a.wav"), "inner/a.wav", "used"),
-        (("ground", "--flights", "inner"), "inner", "used"),
-        (("voice-model", "list"), "ross/voice-models", "read"),
-    ],
-)
-def test_what_lies_in_a_folder_that_may_not_be_entered_is_told_in_one_line(
-    run, monkeypatch, closed, arguments, path, verb
-):
+CLOSED = {  # of a file, and what is said of it, in a folder that may not be entered
+    "inner": (("sitl", "--speech", "inner"), "used"),
+    "inner/a.wav": (("listen", "rtp://127.0.0.1:5004", "--out", "inner/a.wav"), "used"),
+    "inner ": (("ground", "--flights", "inner"), "used"),
+    "ross/voice-models": (("voice-model", "list"), "read"),
+}
+
+
+@pytest.mark.parametrize("path", CLOSED)
+def test_what_lies_in_a_folder_that_may_not_be_entered_is_told_in_one_line(run, monkeypatch, closed, path):
+    arguments, verb = CLOSED[path]
     run(*(closed / "none" / each if each.startswith("inner") else each for each in arguments))  # imports what it needs
     monkeypatch.setenv("XDG_DATA_HOME", str(closed))
     with nobody():
         said = run(*(closed / each if each.startswith("inner") else each for each in arguments))
-    assert said == (2, "", f"ross: {closed / path}: cannot be {verb}: Permission denied\n")
+    assert said == (2, "", f"ross: {closed / path.strip()}: cannot be {verb}: Permission denied\n")
 
 
 def test_sessions_of_a_folder_that_is_not_there_are_refused(run, tmp_path):

@@ -307,3 +307,25 @@ def test_a_goal_that_is_none_is_refused_by_the_driver_itself(goal):
 def test_a_model_that_is_not_homed_refuses():
     with pytest.raises(NotHomed):
         Rig(**MODEL).actuator._actuator.command(0.1)
+
+
+def test_late_polls_ask_for_no_more_than_the_speed_of_the_move():
+    rig, chance = Rig(), np.random.default_rng(0)
+    rig.go(-60)
+    rig.clock.sleep(4.0)
+    driver, sent, due = rig.actuator._actuator._driver, [], [0.0]
+    command, poll = driver._client.command, rig.actuator.poll
+    driver._client.command = lambda joint: (sent.append((rig.clock.now(), math.degrees(joint))), command(joint))
+
+    def late(now):
+        if now >= due[0]:
+            due[0] = now + round(chance.uniform(0.01, 0.04), 2) - QUANTUM / 2
+            poll(now)
+
+    rig.actuator.poll = late
+    rig.actuator.command(math.radians(60), math.radians(60))
+    rig.clock.sleep(4.0)
+    speeds = [(there - here) / (then - now) for (now, here), (then, there) in pairwise(sent) if then > now]
+    assert len(speeds) > 60
+    assert max(speeds) <= 60.5
+    assert rig.true_deg == pytest.approx(60, abs=0.3)

@@ -413,9 +413,12 @@ def test_no_turn_begins_before_the_autopilot_holds_its_yaw(lost):
     assert bench.yaw_deg == pytest.approx(begin + 10.0, abs=1.0)
 
 
-def test_nor_does_the_second_turn_of_a_task():
+@pytest.mark.parametrize("waited", [0.0, 2.0])
+def test_nor_does_the_second_turn_of_a_task(waited):
+    """What is acknowledged before it is not what reminds of the old goal."""
     bench = Bench()
     bench.turn(30.0)
+    bench.clock.sleep(waited)
     bench.far_end.lost, began = 3, bench.clock.now()
     bench.turn(-30.0)
     assert bench.orders(began)[0] == "stop"  # what was asked for first, at last
@@ -543,6 +546,20 @@ def test_a_pilot_who_intervenes_while_the_payload_is_held_up_ends_the_turn(kind,
     here = rig.far_end.angle()
     rig.clock.sleep(3.0)
     assert rig.far_end.angle() == pytest.approx(here, abs=math.radians(3))
+
+
+def test_a_gust_sends_no_px4_back_to_the_height_at_which_its_last_turn_began():
+    """Who flies it may have chosen another one since, in the same mode."""
+    bench = Bench("hold")
+    bench.actuator.take_control()
+    bench.turn(30.0)
+    bench.clock.sleep(10.0)
+    bench.modes.altitude = 130.0
+    bench.far_end.blow(Wind(math.radians(160), 0.5), np.random.default_rng(4))
+    bench.clock.sleep(10.0)
+    bench.actuator.halt()
+    bench.clock.sleep(2.0)
+    assert bench.modes.altitude == 130.0
 
 
 # ------------------------------------------------------------------------------------------- what is on the wire

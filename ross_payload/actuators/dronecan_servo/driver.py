@@ -45,7 +45,9 @@ class DronecanServo(Driver):
         self._noise = PositionNoise()
         self._behind = 0  # reports in a row that were too far behind
         self._due = -math.inf  # the next set-point [s]
+        self._sent = -math.inf  # the last one [s]
         self._pace = SET_POINT_PERIOD_S  # in which set-points come lately [s]
+        self._led: tuple[Trapezoid | None, float] = (None, math.inf)  # which time of which plan it was led to last [s]
         self._fault = ""
         self.capabilities = capabilities_of(options, options.resolution, Feedback(options.feedback))
 
@@ -152,7 +154,16 @@ class DronecanServo(Driver):
         self._turning = True
         if not velocity:
             self._due = now  # at once
-            self._pace = SET_POINT_PERIOD_S
+            self._sent, self._pace = now - SET_POINT_PERIOD_S, SET_POINT_PERIOD_S
+
+    def _slow(self, motion: Motion, gap: float, now: float) -> None:
+        """Delay the plan where it would go on for longer than the gap since the last set-point."""
+        plan, led = self._led
+        time = now + self._pace - motion.begin
+        if plan is motion.plan and time > led + gap + TIME_TOLERANCE_S:
+            self._motion = Motion(motion.plan, motion.begin + time - led - gap)
+            time = led + gap
+        self._led = motion.plan, time
 
     def _go_on(self, now: float) -> None:
         """Begin anew after a gap in the set-points, in which the servo has come to rest at the last one.
@@ -167,7 +178,7 @@ class DronecanServo(Driver):
             self._motion = Motion(motion.plan, motion.begin + late)
             return
         there, plan = motion.at(led_until + self._lag)[0], motion.plan
-        self._due, self._pace = now, SET_POINT_PERIOD_S
+        self._due, self._sent, self._pace = now, now - SET_POINT_PERIOD_S, SET_POINT_PERIOD_S
         if self._turning:
             self._motion = Motion(Trapezoid(there, plan.goal, plan.speed, plan.acceleration), now)
         else:
@@ -200,9 +211,10 @@ class DronecanServo(Driver):
     def write(self, now: float) -> None:
         """Send the set-point that is due."""
         if self._motion is not None and now >= self._due - TIME_TOLERANCE_S:
-            gap = min(now - self._due + SET_POINT_PERIOD_S, SET_POINT_GAP_S)
-            self._pace = max(SET_POINT_PERIOD_S, gap, PACE_DECAY * self._pace)
+            gap, self._sent = now - self._sent, now
+            self._pace = max(SET_POINT_PERIOD_S, min(gap, SET_POINT_GAP_S), PACE_DECAY * self._pace)
             self._due = (self._due if now - self._due < SET_POINT_PERIOD_S else now) + SET_POINT_PERIOD_S
+            self._slow(self._motion, gap, now)
             ahead = self._pace + self._lag  # where it should be when the next one comes, had it no lag
             self._client.command(self._motion.at(now + ahead)[0])
 

@@ -40,6 +40,7 @@ class SetPoints:
         self.braking: Motion | None = None
         self.sent = -math.inf  # when the last set-point went out [s]
         self._pace = ahead  # in which set-points go out lately [s]
+        self._led = math.inf  # which time of the plan the last set-point was of [s]; infinity: there was none
         self.restless = math.inf  # when the gimbal was last seen away from its goal [s]
 
     def turn(self, move: Move, position: float, velocity: float, now: float) -> None:
@@ -112,11 +113,22 @@ class SetPoints:
         """Return the set-point that is due [rad]: where it should be when the next one comes; None: not yet."""
         if now - self.sent < period - ROUNDING_S:
             return None
-        gap = min(now - max(self.sent, motion.begin), SLOWEST_S)
-        self._pace = max(self.ahead, gap, PACE_DECAY * self._pace)
+        gap = now - max(self.sent, motion.begin)
+        self._pace = max(self.ahead, min(gap, SLOWEST_S), PACE_DECAY * self._pace)
         self.sent = now
+        if motion is self.motion:
+            motion = self._slowed(motion, gap, now)
         begin = motion.plan.start  # from beyond the travel it may come back, and nothing goes farther
         return min(max(motion.at(now + self._pace)[0], min(self._able.lower, begin)), max(self._able.upper, begin))
+
+    def _slowed(self, motion: Motion, gap: float, now: float) -> Motion:
+        """Return the motion, delayed where it would go on for longer than the gap since the last set-point."""
+        time = now + self._pace - motion.begin
+        if time > self._led + gap + ROUNDING_S:
+            self.motion = motion = Motion(motion.plan, motion.begin + time - self._led - gap)
+            time = self._led + gap
+        self._led = time
+        return motion
 
     def rest(self, seen: GimbalFeedback, resolution: float, now: float) -> tuple[float, float]:
         """Return the rate [rad/s], 0 while it only trembles, and for how long it has rested where it should be [s]."""
@@ -142,6 +154,6 @@ class SetPoints:
         return min(max(angle, self._able.lower), self._able.upper)
 
     def _go(self, plan: Trapezoid, now: float) -> None:
-        self.motion, self.restless, self._turning = Motion(plan, now), now, False
+        self.motion, self.restless, self._turning, self._led = Motion(plan, now), now, False, math.inf
         if not plan.velocity:  # a gimbal that follows set-points would see a jump in their rhythm as one of speed
             self.sent, self._pace = -math.inf, self.ahead

@@ -109,7 +109,7 @@ class VehicleYaw(Driver):
             self._pending = request
         elif request in (Request.HALT, Request.RELEASE, Request.HOME):
             self._pending = None
-            if self._plan.motion is not None and not (self._settled or self._yielded):
+            if self._plan.motion is not None and self._turning:
                 self._stop(now)
 
     def write(self, now: float) -> None:
@@ -133,7 +133,7 @@ class VehicleYaw(Driver):
         self._look_whether_it_follows(commands, now)
         if self._stopping > -math.inf:
             self._go_on_stopping(commands, now)
-        else:
+        elif self._asked_at == -math.inf:  # nothing else may be acknowledged meanwhile
             self._send_set_point(commands, now)
         if not self._held and self._settled and not commands.streams:
             self._plan.motion = None  # the autopilot holds it, until somebody turns it
@@ -156,7 +156,7 @@ class VehicleYaw(Driver):
         if self._objection_heard or self._watch.objection():  # it is the pilot's by now
             self._plan.motion = None
         known = now - self._feedback.time <= FRESH_S or (commands is not None and commands.confirmed)
-        if self._plan.motion is not None and not self._settled and known:
+        if self._plan.motion is not None and self._turning and known:
             self._stop(now)
             if commands is not None:
                 self._go_on_stopping(commands, now)
@@ -236,8 +236,8 @@ class VehicleYaw(Driver):
         if motion is None:
             return
         late = now > motion.end + 2 * commands.period
-        if late and self._settled and not commands.streams:
-            return
+        if late and not (self._turning or commands.streams):
+            return  # it was there: its autopilot holds it, in gusts, too, and at the height that it was given since
         period = REMIND_PERIOD_S if late and not commands.streams else commands.period
         due = self._plan.due(motion, period, now)
         if due is not None:
