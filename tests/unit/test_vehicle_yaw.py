@@ -413,13 +413,13 @@ def test_no_turn_begins_before_the_autopilot_holds_its_yaw(lost):
     assert bench.yaw_deg == pytest.approx(begin + 10.0, abs=1.0)
 
 
-@pytest.mark.parametrize("waited", [0.0, 2.0])
-def test_nor_does_the_second_turn_of_a_task(waited):
+@pytest.mark.parametrize(("waited", "lost"), [(0.0, 3), (2.0, 1)])
+def test_nor_does_the_second_turn_of_a_task(waited, lost):
     """What is acknowledged before it is not what reminds of the old goal."""
     bench = Bench()
     bench.turn(30.0)
     bench.clock.sleep(waited)
-    bench.far_end.lost, began = 3, bench.clock.now()
+    bench.far_end.lost, began = lost, bench.clock.now()
     bench.turn(-30.0)
     assert bench.orders(began)[0] == "stop"  # what was asked for first, at last
 
