@@ -91,9 +91,10 @@ def test_a_stop_is_stopped_by_the_answer_to_no_other_order(alone, open_page):
     assert fates == ["No answer: stop it by other means"] * 2 + ["Stopped"]
 
 
-def test_a_stop_that_was_lost_with_its_socket_is_sent_again_on_the_next_one(lone, open_page):
+def test_a_stop_that_was_lost_with_its_socket_is_sent_again_on_the_next_one(lone, open_page, window):
     """The network is gone, and the browser does not know it yet: what it sends leaves, and reaches nobody."""
     ground, _ = lone
+    window.expected.append("/live")
     page = watch(open_page, ground.url)
     page.evaluate("""() => {
       globalThis.sent = [];

@@ -240,7 +240,7 @@ def test_fewer_than_three_talkers_are_refused_in_one_line(tmp_path: Path) -> Non
         (["--ratios", "nan"], "expected numbers from -100 to 100, or off, separated by commas, got 'nan'"),
         (["--ratios", "foo"], "expected numbers from -100 to 100, or off, separated by commas, got 'foo'"),
         (["--ratios", "off,off"], "expected every value once, got 'off' more than once"),
-        (["--ground", "nan"], "expected a finite number, got 'nan'"),
+        (["--ground", "nan"], "expected a finite number, got nan"),
         (["--heights", "inf"], "expected finite numbers separated by commas, got 'inf'"),
         (["--walks", ""], "expected finite numbers separated by commas, got none"),
     ],
