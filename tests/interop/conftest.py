@@ -26,6 +26,7 @@ from waiting import wait_for
 PULSE_PLUGIN = "alsa-lib/libasound_module_pcm_pulse.so"
 LOOPBACK = "127.0.0.1"
 RATE = 16000
+ANSWERED_S = 1.0  # in which a command that was sent again is answered
 ROOM = 4 << 20  # [bytes]: what arrives while a test does something else is read later
 CONFIG = """
 audio.source = "{source}"
@@ -113,6 +114,7 @@ class Ground:
         self.port = self.link.port.getsockname()[1]
         self.heard = []
         self._beat = 0.0
+        self._repeated = {}  # when a command was sent again last, by its number [s]
 
     def listen(self):
         """Take in what has arrived; say once a second that we are here."""
@@ -146,10 +148,16 @@ class Ground:
         ).result
 
     def obeyed(self, number, *values, seconds=60.0):
-        """Command, and again as clients do, until it is known what finally becomes of it."""
+        """Command, and again as clients do, until it is known what finally becomes of it.
+
+        What was said again last time is answered again, too: that answer must not pass for one to this command.
+        """
+        self.rest(self._repeated.get(number, 0.0) + ANSWERED_S - time.monotonic())
         before, end = len(self.of("COMMAND_ACK")), time.monotonic() + seconds
         for confirmation in range(256):
             self.command(number, *values, confirmation=confirmation)
+            if confirmation:
+                self._repeated[number] = time.monotonic()
             again = time.monotonic() + 0.4
             while time.monotonic() < again:
                 acks = [ack.result for ack in self.of("COMMAND_ACK")[before:] if ack.command == number]
