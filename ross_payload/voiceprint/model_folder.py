@@ -14,12 +14,12 @@ from typing import Any
 
 from ross_payload.atomic_files import write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
-from ross_payload.errors import ConfigError, near, refused_as, shown, unknown
+from ross_payload.errors import ConfigError, near, shown, unknown
 from ross_payload.voiceprint.built_in import built_in_model
 from ross_payload.voiceprint.embedding_model import EmbeddingModel
 from ross_payload.voiceprint.embedding_print import Calibration
 from ross_payload.voiceprint.speaker_model import VoiceModel
-from ross_payload.voiceprint.store import data_folder
+from ross_payload.voiceprint.store import data_folder, names_in
 
 LARGEST = 512 * MB
 BUILT_IN, AUTO = "built-in", "auto"
@@ -52,8 +52,7 @@ class ModelFolder:
         ConfigError
             When the folder cannot be read.
         """
-        with refused_as(ConfigError, f"{self.folder}: cannot be read"):
-            return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
+        return names_in(self.folder, SUFFIX)
 
     def path(self, name: str) -> Path:
         """Return the file of a name."""

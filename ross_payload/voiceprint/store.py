@@ -31,6 +31,18 @@ def data_folder(environment: Mapping[str, str] = os.environ) -> Path:
     return (Path(home) if Path(home).is_absolute() else Path.home() / ".local" / "share") / "ross"
 
 
+def names_in(folder: Path, suffix: str) -> tuple[str, ...]:
+    """Return the names of the files with a suffix that are kept in a folder, without it, sorted.
+
+    Raises
+    ------
+    ConfigError
+        When the folder cannot be read.
+    """
+    with refused_as(ConfigError, f"{folder}: cannot be read"):
+        return tuple(sorted(path.name.removesuffix(suffix) for path in folder.glob(f"[!.]*{suffix}")))
+
+
 class Damaged(ConfigError):
     """A file that is no voice print at all, whoever's it was."""
 
@@ -120,8 +132,7 @@ class VoiceStore:
         ConfigError
             When the folder cannot be read.
         """
-        with refused_as(ConfigError, f"{self.folder}: cannot be read"):
-            return tuple(sorted(path.name.removesuffix(SUFFIX) for path in self.folder.glob(f"[!.]*{SUFFIX}")))
+        return names_in(self.folder, SUFFIX)
 
     def save(self, name: str, voice: EmbeddingPrint, *, new: bool = False) -> Path:
         """Keep a voice print under a name, in place of an earlier one; returns the file.
