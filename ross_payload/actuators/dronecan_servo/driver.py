@@ -19,13 +19,11 @@ from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Driver, Driver
 from ross_payload.actuators.dronecan_servo.diagnostics import MAX_NOISE_RAD, PositionNoise
 from ross_payload.actuators.dronecan_servo.options import Options
 from ross_payload.actuators.dronecan_servo.servo_client import PositionReport, ServoClient
-from ross_payload.actuators.motion import Motion, Trapezoid
+from ross_payload.actuators.set_points import SET_POINT_PERIOD_S, SetPoints
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import ActuatorState, Clock, Feedback, Port
 
-SET_POINT_PERIOD_S = 0.020  # [s] between two set-points
-PACE_DECAY = 0.8  # from one set-point to the next, of a pace that was slower
-SET_POINT_GAP_S = 5 * SET_POINT_PERIOD_S  # without a set-point, and the servo has come to rest at the last one [s]
+PAUSE_S = 0.1  # longer without the next set-point, and the servo has come to rest at the last one [s]
 
 
 class DronecanServo(Driver):
@@ -34,22 +32,17 @@ class DronecanServo(Driver):
     def __init__(self, options: Options) -> None:
         self._options = options
         self._measured = options.feedback == "measured"
-        self._lag = options.lag_ms * 1e-3  # of the servo behind its set-points [s]
         self._client: ServoClient
-        self._motion: Motion | None = None  # None: nothing is sent
-        self._turning = False  # the motion leads to a goal; else it brakes, or stays
         self._reports: deque[PositionReport] = deque()  # of the last settle_ms
         self._angle = 0.0  # last published [rad]
         self._homed = False  # of a model
         self._home_until = math.inf  # a model's homing is over [s]
         self._noise = PositionNoise()
         self._behind = 0  # reports in a row that were too far behind
-        self._due = -math.inf  # the next set-point [s]
-        self._sent = -math.inf  # the last one [s]
-        self._pace = SET_POINT_PERIOD_S  # in which set-points come lately [s]
-        self._led: tuple[Trapezoid | None, float] = (None, math.inf)  # which time of which plan it was led to last [s]
+        self._asked: float | None = None  # the last set-point [rad]; None: none since it was let go
         self._fault = ""
         self.capabilities = capabilities_of(options, options.resolution, Feedback(options.feedback))
+        self._plan = SetPoints(self.capabilities, lag=options.lag_ms * 1e-3, pause=PAUSE_S)
 
     @property
     def identity(self) -> str:
@@ -86,7 +79,7 @@ class DronecanServo(Driver):
         elif request is Request.RELEASE:
             self._let_go()
         elif request is Request.HALT:
-            self._brake(now)
+            self._plan.halt(now)
         else:
             self._home(now)
 
@@ -101,12 +94,12 @@ class DronecanServo(Driver):
         self._go_on(clock.now())
         self.obey(Request.HALT, clock.now())
         yield
-        while self._motion is not None and clock.now() <= self._motion.end + SET_POINT_PERIOD_S:
+        while self._plan.motion is not None and clock.now() <= self._plan.motion.end + SET_POINT_PERIOD_S:
             yield
 
     def close(self) -> None:
         """Leave the bus."""
-        self._motion = None
+        self._plan.motion = self._asked = None
         self._client.close()
 
     # ------------------------------------------------------------------------------------------ what is heard
@@ -125,105 +118,70 @@ class DronecanServo(Driver):
 
     def _check_lag(self, joint: float, now: float) -> None:
         """Latch that the servo does not follow, and hold where it is; one report alone may be a stranger's."""
-        if self._motion is None or self._fault:
+        motion = self._plan.motion
+        if motion is None or self._fault:
             return
-        ahead = self._motion.at(now + self._pace - SET_POINT_PERIOD_S)[0]  # it may be where it was told to be already
-        low, high = sorted((self._motion.at(now)[0], ahead))
+        ahead = motion.at(now + self._plan.pace - SET_POINT_PERIOD_S)[0]  # it may be where it was told to be already
+        low, high = sorted((motion.at(now)[0], ahead))
         wanted = min(max(joint, low), high)
         behind = abs(joint - wanted) > math.radians(self._options.max_lag_deg)
         self._behind = self._behind + 1 if behind else 0
         if self._behind >= 2:
             here, there = math.degrees(joint), math.degrees(wanted)
             self._latch(f"the servo does not follow: at {here:.1f} deg, commanded {there:.1f} deg")
-            self._hold(joint, now)
+            self._plan.hold(joint, now)
 
     def _latch(self, fault: str) -> None:
         self._fault = self._fault or fault
 
     def _let_go(self) -> None:
         """Send no more set-points; the place of a model is not known any more."""
-        self._motion, self._homed, self._home_until = None, False, math.inf
+        self._plan.motion = self._asked = None
+        self._homed, self._home_until = False, math.inf
 
     # ------------------------------------------------------------------------------------------ plans
 
     def _go(self, move: Move, now: float) -> None:
-        position, velocity = self._motion.at(now) if self._motion is not None else (self._angle, 0.0)
-        self._motion = Motion(
-            Trapezoid(position, move.goal, move.rate, self.capabilities.max_acceleration, velocity), now
-        )
-        self._turning = True
-        if not velocity:
-            self._due = now  # at once
-            self._sent, self._pace = now - SET_POINT_PERIOD_S, SET_POINT_PERIOD_S
-
-    def _slow(self, motion: Motion, gap: float, now: float) -> None:
-        """Delay the plan where it would go on for longer than the gap since the last set-point."""
-        plan, led = self._led
-        time = now + self._pace - motion.begin
-        if plan is motion.plan and time > led + gap + TIME_TOLERANCE_S:
-            self._motion = Motion(motion.plan, motion.begin + time - led - gap)
-            time = led + gap
-        self._led = motion.plan, time
+        motion = self._plan.motion
+        position, velocity = motion.at(now) if motion is not None else (self._angle, 0.0)
+        self._plan.turn(move, position, velocity, now)
 
     def _go_on(self, now: float) -> None:
-        """Begin anew after a gap in the set-points, in which the servo has come to rest at the last one.
-
-        A turn goes on to its goal; what was to brake stays. A short delay delays the plan.
-        """
-        motion, led_until = self._motion, self._due - SET_POINT_PERIOD_S + self._pace
-        late = now - led_until
-        if motion is None or late <= SET_POINT_PERIOD_S / 2 + TIME_TOLERANCE_S or motion.end <= led_until:
-            return
-        if late <= SET_POINT_GAP_S:
-            self._motion = Motion(motion.plan, motion.begin + late)
-            return
-        there, plan = motion.at(led_until + self._lag)[0], motion.plan
-        self._due, self._sent, self._pace = now, now - SET_POINT_PERIOD_S, SET_POINT_PERIOD_S
-        if self._turning:
-            self._motion = Motion(Trapezoid(there, plan.goal, plan.speed, plan.acceleration), now)
-        else:
-            self._hold(there, now)
+        """Go on from the last set-point, where the servo stands, if this program was held up."""
+        self._plan.catch_up(self._angle if self._asked is None else self._asked, 0.0, now)
 
     def _home(self, now: float) -> None:
         self._fault, self._homed = "", False
+        motion = self._plan.motion
         if not self._measured:
-            self._hold(0.0, now)
+            self._plan.hold(0.0, now)
             travel = self.capabilities.upper - self.capabilities.lower
             self._home_until = now + travel / self.capabilities.max_speed
-        elif self._motion is not None and self._reports:
+        elif motion is not None and self._reports:
             if math.isnan(self._reports[-1].joint):
                 self._let_go()
-            elif self._motion.at(now)[1]:
-                self._brake(now)
+            elif motion.at(now)[1]:
+                self._plan.halt(now)
             else:
-                self._hold(self._reports[-1].joint, now)
-
-    def _hold(self, joint: float, now: float) -> None:
-        here = min(max(joint, self.capabilities.lower), self.capabilities.upper)
-        self._motion, self._turning = Motion(Trapezoid.still(here), now), False
-
-    def _brake(self, now: float) -> None:
-        if self._motion is not None:
-            self._motion, self._turning = self._motion.braked(now, self.capabilities.max_acceleration), False
+                self._plan.hold(self._reports[-1].joint, now)
 
     # ------------------------------------------------------------------------------------------ out
 
     def write(self, now: float) -> None:
         """Send the set-point that is due."""
-        if self._motion is not None and now >= self._due - TIME_TOLERANCE_S:
-            gap, self._sent = now - self._sent, now
-            self._pace = max(SET_POINT_PERIOD_S, min(gap, SET_POINT_GAP_S), PACE_DECAY * self._pace)
-            self._due = (self._due if now - self._due < SET_POINT_PERIOD_S else now) + SET_POINT_PERIOD_S
-            self._slow(self._motion, gap, now)
-            ahead = self._pace + self._lag  # where it should be when the next one comes, had it no lag
-            self._client.command(self._motion.at(now + ahead)[0])
+        motion = self._plan.motion
+        due = None if motion is None else self._plan.due(motion, SET_POINT_PERIOD_S, now)
+        if due is not None:
+            self._asked = due
+            self._client.command(due)
 
     def snapshot(self, now: float) -> ActuatorState:
         """Return the state at ``now`` [s]; a model's is the plan."""
         client = self._client
         if now >= self._home_until:
             self._homed, self._home_until = True, math.inf
-        wanted, rate = self._motion.at(now) if self._motion is not None else (self._angle, 0.0)
+        motion = self._plan.motion
+        wanted, rate = motion.at(now) if motion is not None else (self._angle, 0.0)
         known = bool(self._reports) and math.isfinite(self._reports[-1].joint)
         angle = self._reports[-1].joint if known else self._angle if self._measured else wanted
         fault = self._fault or client.nameless or client.condition or (client.missing(now) if self._measured else "")
@@ -240,10 +198,11 @@ class DronecanServo(Driver):
 
     def _arrived(self, angle: float, now: float) -> bool:
         """Whether the plan is over and the servo is at its end, as near as it comes to what it was told."""
-        if self._motion is None:
+        motion = self._plan.motion
+        if motion is None:
             return True
-        over = now >= self._motion.end + self._options.settle_ms * 1e-3 - TIME_TOLERANCE_S
-        goal = self._options.quantised(self._motion.plan.goal)
+        over = now >= motion.end + self._options.settle_ms * 1e-3 - TIME_TOLERANCE_S
+        goal = self._options.quantised(motion.plan.goal)
         return over and (not self._measured or abs(angle - goal) <= self.capabilities.resolution)
 
     def _still(self) -> bool:

@@ -12,15 +12,24 @@ from __future__ import annotations
 
 import math
 
-from ross_payload.actuators.driver_shell import Driver, DriverBackend, DriverShell, Move, Request, capabilities_of
+from ross_payload.actuators.driver_shell import (
+    TIME_TOLERANCE_S,
+    Driver,
+    DriverBackend,
+    DriverShell,
+    Move,
+    Request,
+    capabilities_of,
+)
 from ross_payload.actuators.mavlink_gimbal import diagnostics
 from ross_payload.actuators.mavlink_gimbal.component_port import ReceivedPacket
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
 from ross_payload.actuators.mavlink_gimbal.gimbal_device_client import GimbalDeviceClient, PeerSearch
 from ross_payload.actuators.mavlink_gimbal.gimbal_manager_client import GimbalManagerClient
 from ross_payload.actuators.mavlink_gimbal.options import Options
-from ross_payload.actuators.mavlink_gimbal.set_points import ROUNDING_S, SET_POINT_PERIOD_S, SetPoints
+from ross_payload.actuators.mavlink_gimbal.set_points import YawSetPoints
 from ross_payload.actuators.motion import Motion
+from ross_payload.actuators.set_points import SET_POINT_PERIOD_S
 from ross_payload.interfaces import ActuatorState, Clock, Feedback, Port, Services
 from ross_protocols.mavlink import gimbal_messages, vehicle
 from ross_protocols.mavlink.component_id import ComponentId
@@ -49,7 +58,7 @@ class MavlinkGimbal(Driver):
         self._fault = ""
         self._settled = False  # as last published
         self.capabilities = capabilities_of(options, math.radians(options.resolution_deg), Feedback.MEASURED)
-        self._plan = SetPoints(self.capabilities)
+        self._plan = YawSetPoints(self.capabilities)
         self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, self.capabilities.max_speed)
 
     @property
@@ -134,7 +143,7 @@ class MavlinkGimbal(Driver):
         """Return the state at ``now`` [s]; its encoder knows its zero."""
         seen, trouble = self._feedback, self._trouble(now)
         rate, resting = self._plan.rest(seen, self.capabilities.resolution, now)
-        rested = resting >= self._options.settle_ms * 1e-3 - ROUNDING_S
+        rested = resting >= self._options.settle_ms * 1e-3 - TIME_TOLERANCE_S
         settled = rested and now - seen.time <= diagnostics.STALE_REPORT_S and not trouble
         ours = self._plan.motion is not None or not self._held  # it is not settled before we control it
         self._settled = settled and ours and self._pending is None

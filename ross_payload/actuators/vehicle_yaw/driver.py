@@ -12,10 +12,18 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ross_payload.actuators.driver_shell import Driver, DriverBackend, DriverShell, Move, Request, capabilities_of
+from ross_payload.actuators.driver_shell import (
+    TIME_TOLERANCE_S,
+    Driver,
+    DriverBackend,
+    DriverShell,
+    Move,
+    Request,
+    capabilities_of,
+)
 from ross_payload.actuators.mavlink_gimbal.component_port import ReceivedPacket
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
-from ross_payload.actuators.mavlink_gimbal.set_points import ROUNDING_S, SetPoints
+from ross_payload.actuators.mavlink_gimbal.set_points import YawSetPoints
 from ross_payload.actuators.vehicle_yaw import diagnostics
 from ross_payload.actuators.vehicle_yaw.flight_watch import FlightWatch
 from ross_payload.actuators.vehicle_yaw.options import Options
@@ -52,7 +60,7 @@ class VehicleYaw(Driver):
         self.capabilities = capabilities_of(options, math.radians(options.resolution_deg), Feedback.MEASURED)
         self._watch = FlightWatch(options)
         self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, FASTEST_RAD_S, cable=False)
-        self._plan = SetPoints(self.capabilities, still=STILL_RAD_S)
+        self._plan = YawSetPoints(self.capabilities, still=STILL_RAD_S)
         self._commands: YawCommands | None = None
         self._held = False  # somebody holds it for a task: only then it matters whether it may be turned
         self._held_at = -math.inf  # since when [s]
@@ -142,7 +150,7 @@ class VehicleYaw(Driver):
         """Return the state at ``now`` [s]; a compass knows its zero."""
         seen, trouble = self._feedback, self._trouble(now)
         rate, resting = self._plan.rest(seen, self.capabilities.resolution, now)
-        rested = resting >= self._options.settle_ms * 1e-3 - ROUNDING_S
+        rested = resting >= self._options.settle_ms * 1e-3 - TIME_TOLERANCE_S
         self._settled = rested and self._pending is None and not trouble and not self._stopping > -math.inf
         self._turning = self._turning and not self._settled
         return ActuatorState(
@@ -224,7 +232,7 @@ class VehicleYaw(Driver):
             return True
         if now - self._asked_at > ASKING_S:
             self._fault = "the autopilot does not acknowledge CONDITION_YAW; home and rearm"
-        elif now - self._repeated_at >= ASKING_PERIOD_S - ROUNDING_S:
+        elif now - self._repeated_at >= ASKING_PERIOD_S - TIME_TOLERANCE_S:
             self._repeated_at = now
             self._send(commands.begin(now))
         return False
@@ -296,7 +304,7 @@ class VehicleYaw(Driver):
             self._stopping = -math.inf
             if not commands.streams:
                 self._plan.motion = None
-        elif now - self._stopping >= STOP_PERIOD_S - ROUNDING_S:
+        elif now - self._stopping >= STOP_PERIOD_S - TIME_TOLERANCE_S:
             self._stopping = now
             self._send(commands.stop(motion.plan.goal, now))
 
