@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.signal
-from aiortc.rtp import RtpPacket
+from aiortc.rtp import RtcpPacket, RtcpRtpfbPacket, RtpPacket
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -164,6 +164,19 @@ def test_numbers_that_wrap_are_no_loss():
     receiver, now = played(packets)
     reception = receiver.reception(now)
     assert (reception.received, reception.lost, reception.concealed_s) == (100, 0, 0)
+
+
+def test_lost_packets_are_asked_for_where_numbers_wrap():
+    receiver, asked = RtpReceiver(Media.of("L16", RATE), 0.1), []
+    for each in sorted({*range(40)} - {17, 19, 20, 22}):
+        now = 0.02 * each
+        receiver.on_datagram(packet_of(65516 + each, 320 * each), now)
+        receiver.read(320, now)
+        for answer in receiver.feedback(now):
+            asked += [report for report in RtcpPacket.parse(answer) if isinstance(report, RtcpRtpfbPacket)]
+    wanted = {number % 2**16 for request in asked for number in request.lost}
+    assert wanted == {65533, 65535, 0, 2}
+    assert receiver.reception(now).lost == 4
 
 
 def test_a_stranger_is_not_heard_while_the_sender_is():

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import secrets
 from dataclasses import dataclass
+from itertools import groupby
 
 from aiortc.rtp import (
     RTCP_RTPFB_NACK,
@@ -63,8 +64,9 @@ class ReceptionReports:
         parts.append(bytes(RtcpSdesPacket([RtcpSourceInfo(self._ssrc, [(CNAME, self._name)])])))
         if wanted:
             self.asked += len(wanted)
-            numbers = [each % 2**16 for each in wanted]
-            parts.append(bytes(RtcpRtpfbPacket(RTCP_RTPFB_NACK, self._ssrc, source, numbers)))
+            for _, group in groupby(wanted, lambda each: each // 2**16):  # aiortc takes none that wrap
+                numbers = [each % 2**16 for each in group]
+                parts.append(bytes(RtcpRtpfbPacket(RTCP_RTPFB_NACK, self._ssrc, source, numbers)))
         return [b"".join(parts)]
 
     def _wanted(self, store: PacketStore, jitter: float, now: float) -> list[int]:
