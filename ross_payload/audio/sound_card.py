@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.live_source import LiveSource, OnSamples
 from ross_payload.audio.open_source import SourceServices
+from ross_payload.audio.shared_portaudio import OpenStream, shared
 from ross_payload.audio.sound_devices import Device, device_named, portaudio
 from ross_payload.config import Audio
 from ross_payload.errors import AudioError
@@ -37,7 +39,7 @@ class SoundCard:
         self._audio = audio
         self._wiring = wiring
         self._module = module
-        self._stale = False  # PortAudio lists devices once: what was opened may have another number
+        self._was_opened = False  # what was opened may have another number when it is back
 
     def __call__(self, on_samples: OnSamples) -> SoundCardStream:
         """Open the device.
@@ -49,12 +51,10 @@ class SoundCard:
         """
         module = self._module = self._module or portaudio()
         try:
-            if self._stale:
-                module._terminate()  # the only way to have the list made again
-                module._initialize()
-            self._stale = True
-            device = device_named(module, self._name)
-            return SoundCardStream(module, self._settings(module, device), on_samples)
+            again, self._was_opened = self._was_opened, True
+            with shared(module).listed(ends_others=again) as started:
+                device = device_named(module, self._name)
+                return SoundCardStream(module, self._settings(module, device), on_samples, started)
         except module.PortAudioError as error:
             raise AudioError(f"the microphones '{self._name}' cannot be opened: {_first_line(error)}") from error
 
@@ -75,7 +75,9 @@ class SoundCard:
 class SoundCardStream:
     """An open stream."""
 
-    def __init__(self, module: Any, settings: dict[str, Any], on_samples: OnSamples) -> None:
+    def __init__(
+        self, module: Any, settings: dict[str, Any], on_samples: OnSamples, started: Callable[[Any], OpenStream]
+    ) -> None:
         self._over = False
 
         def callback(frames: Real, _count: int, _times: Any, _flags: Any) -> None:
@@ -84,24 +86,21 @@ class SoundCardStream:
         def finished() -> None:
             self._over = True
 
-        self._stream = module.InputStream(callback=callback, finished_callback=finished, **settings)
-        actual, asked = self._stream.samplerate, settings["samplerate"]
-        try:
-            if abs(actual / asked - 1) > TOLERANCE:
-                raise AudioError(f"sound card: expected it to open at {asked} Hz, got {actual:g} Hz")
-            self._stream.start()
-        except BaseException:
-            self._stream.close(ignore_errors=True)
-            raise
+        stream = module.InputStream(callback=callback, finished_callback=finished, **settings)
+        actual, asked = stream.samplerate, settings["samplerate"]
+        if abs(actual / asked - 1) > TOLERANCE:
+            stream.close(ignore_errors=True)
+            raise AudioError(f"sound card: expected it to open at {asked} Hz, got {actual:g} Hz")
+        self._stream = started(stream)
 
     @property
     def alive(self) -> bool:
         """Whether frames may still come."""
-        return not self._over and bool(self._stream.active)
+        return not self._over and self._stream.active
 
     def close(self) -> None:
-        """Give the device back; what the driver says of a device that is gone does not matter."""
-        self._stream.close(ignore_errors=True)
+        """Give the device back; idempotent."""
+        self._stream.close()
 
 
 def audio_source(address: str, services: SourceServices) -> LiveSource:

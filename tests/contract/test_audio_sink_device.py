@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 
 from examples import in_soak
+from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.sinks import info_of
 from ross_payload.audio.sinks.device_sink import DeviceOptions, DeviceSink
+from ross_payload.audio.sound_card import SoundCard
+from ross_payload.config import Audio
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import VoiceBlock
 from sink_bench import HOP, RATE, blocks, services, voice
@@ -24,6 +27,7 @@ class FakeOutput:
 
     def __init__(self):
         self.names = ["HDA Analog", "USB Headphones"]
+        self._listed = list(self.names)
         self.default = SimpleNamespace(device=[-1, 0])
         self.streams = []
 
@@ -31,15 +35,28 @@ class FakeOutput:
         return [{"name": "ALSA"}]
 
     def query_devices(self):
-        common = {"hostapi": 0, "max_input_channels": 0, "max_output_channels": 2, "default_samplerate": 48000.0}
-        return [{"name": name, **common} for name in self.names]
+        common = {"hostapi": 0, "max_input_channels": 2, "max_output_channels": 2, "default_samplerate": 48000.0}
+        return [{"name": name, **common} for name in self._listed]
+
+    def check_input_settings(self, **settings):
+        pass
+
+    def _terminate(self):
+        for stream in self.streams:
+            stream.freed = True
+        self._listed = []
+
+    def _initialize(self):
+        self._listed = list(self.names)
 
     def OutputStream(self, **settings):  # noqa: N802 - its name
-        stream = SimpleNamespace(active=False, played=[], **settings)
-        stream.start = lambda: setattr(stream, "active", True)
-        stream.close = lambda ignore_errors=True: setattr(stream, "active", False)
-        self.streams.append(stream)
-        return stream
+        if self._listed[settings["device"]] not in self.names:
+            raise self.PortAudioError("Device unavailable [PaErrorCode -9985]")
+        self.streams.append(FakeStream(**settings))
+        return self.streams[-1]
+
+    def InputStream(self, **settings):  # noqa: N802 - its name
+        return self.OutputStream(**settings)
 
     def play(self, n):
         """Let the card take so many samples; return them."""
@@ -52,7 +69,25 @@ class FakeOutput:
     def unplug(self):
         self.names = []
         for stream in self.streams:
-            stream.active = False
+            stream.runs = False
+
+
+class FakeStream(SimpleNamespace):
+    """A stream, whose memory is nobody's any more when PortAudio was terminated."""
+
+    runs = freed = False
+
+    @property
+    def active(self):
+        assert not self.freed
+        return self.runs
+
+    def start(self):
+        self.runs = True
+
+    def close(self, ignore_errors=True):
+        assert not self.freed
+        self.runs = False
 
 
 class AtOnce:
@@ -171,3 +206,34 @@ def test_silence_before_a_device_was_unplugged_stays_counted(card, headphones):
         card.unplug()
         headphones.write(next(every))
         assert headphones.lost == silent + HOP
+
+
+def test_it_plays_again_after_the_microphones_were_opened_anew(card, headphones):
+    audio = Audio()
+    microphones = SoundCard("analog", audio, ChannelMap.of(audio), card)
+    with headphones:
+        first = microphones(len)
+        every = blocks(voice(60.0))
+        headphones.write(next(every))
+        assert len(card.streams) == 2, "nothing was ended to open the microphones for the first time"
+        first.close()
+        second = microphones(len)
+        headphones.write(next(every))
+        assert second.alive
+        headphones._clock.ahead += 5.0
+        while headphones._ring.waiting < 0.1 * RATE:
+            headphones.write(next(every))
+        assert card.play(HOP).any()
+        assert second.alive, "microphones outlive the opening of headphones"
+        assert headphones.fault == ""
+        second.close()
+
+
+def test_headphones_that_come_late_are_found_while_nothing_else_is_open(card, headphones):
+    card.names = ["HDA Analog"]
+    card._initialize()
+    with pytest.raises(AudioError, match="no sound output named 'usb'"), headphones:
+        pass
+    card.names = ["USB Headphones"]
+    with headphones:
+        assert info_of(headphones).listeners == 1

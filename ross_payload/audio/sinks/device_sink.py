@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from ross_payload.audio.reconnecting_feed import LEAVE, Worker, in_thread
+from ross_payload.audio.shared_portaudio import OpenStream, shared
 from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.audio.sound_devices import device_named, portaudio
 from ross_payload.config.table import Table
@@ -116,7 +117,7 @@ class DeviceSink:
         self._module = module
         self._start = start
         self._ring = self._new_ring()
-        self._stream: Any = None
+        self._stream: OpenStream | None = None
         self._name = options.device
         self._due = 0.0
         self._busy = threading.Event()
@@ -162,24 +163,24 @@ class DeviceSink:
         self._close()
 
     def _alive(self) -> bool:
-        return self._stream is not None and not self._busy.is_set() and bool(self._stream.active)
+        return self._stream is not None and not self._busy.is_set() and self._stream.active
 
     def _open(self) -> None:
         module = self._module = self._module or portaudio()
         self._ring = self._new_ring()
         try:
-            device = device_named(module, self._options.device, "output")
-            self._stream = module.OutputStream(
-                device=device.number,
-                samplerate=self._rate,
-                channels=min(device.channels, 2),
-                dtype="float32",
-                latency=self._options.latency_ms / 1000,
-                callback=self._callback(self._ring),
-            )
-            self._stream.start()
+            with shared(module).listed(ends_others=False) as started:
+                device = device_named(module, self._options.device, "output")
+                stream = module.OutputStream(
+                    device=device.number,
+                    samplerate=self._rate,
+                    channels=min(device.channels, 2),
+                    dtype="float32",
+                    latency=self._options.latency_ms / 1000,
+                    callback=self._callback(self._ring),
+                )
+                self._stream = started(stream)
         except module.PortAudioError as error:
-            self._close()
             why = str(error).partition("\n")[0]
             raise AudioError(f"the sound output '{self._options.device}' cannot be opened: {why}") from error
         self._name, self.fault = device.name, ""
@@ -216,7 +217,7 @@ class DeviceSink:
     def _close(self) -> None:
         stream, self._stream = self._stream, None
         if stream is not None:
-            stream.close(ignore_errors=True)
+            stream.close()
 
 
 sink = BuiltInSink(DeviceOptions, DeviceSink)
