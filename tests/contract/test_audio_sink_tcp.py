@@ -66,6 +66,26 @@ def test_a_listener_that_stops_reading_is_hung_up_on_and_the_others_hear_on(tmp_
     assert [text for text in caplog.messages if "behind" in text]
 
 
+def test_who_sends_without_end_holds_up_nobody(tmp_path):
+    """However much has come, only a little of it is read with a block."""
+    rig = tcp(tmp_path, None)
+
+    def fill(peer):
+        count, data = 0, bytes(1 << 16)
+        with contextlib.suppress(BlockingIOError):
+            while True:
+                count += peer.send(data)
+        return count
+
+    with rig.make() as sink, socket.create_connection(("127.0.0.1", rig.options["port"])) as peer:
+        every = blocks(voice(60.0))
+        wait_for(lambda: sink.write(next(every)) or info_of(sink).listeners == 1)
+        peer.setblocking(False)
+        waiting = fill(peer)
+        sink.write(next(every))
+        assert fill(peer) < waiting / 4
+
+
 def test_too_many_listeners_are_turned_away(tmp_path):
     rig = tcp(tmp_path, None)
     with rig.make() as sink, contextlib.ExitStack() as stack:

@@ -158,8 +158,7 @@ class TcpSink:
         """Send behind what waits; one that is too far behind, or has hung up, is over."""
         stream = listener.stream
         try:
-            while stream.read(MAX_READ_BYTES):  # what a listener says does not matter
-                pass
+            stream.read(MAX_READ_BYTES)  # what a listener says does not matter, however much it is
             stream.append(data)
         except OSError as error:
             self._lose(listener, reason(error))
