@@ -43,6 +43,7 @@ LEVELS = {2: LogLevel.Fatal, 3: LogLevel.Error, 4: LogLevel.Warning, 7: LogLevel
 OUR_LAYOUTS: dict[str, Layout] = {
     layout.message.msgname: layout for layout in LAYOUTS if layout.message.msgname.startswith(OURS)
 }  # by message name
+OWN = 0o600  # who may read it: sound in it is what people have said
 LOG_NAME, LOG_TYPE = "telemetry.tlog", "application/octet-stream"
 KINDS = {"char": "string", "float": "number", "double": "number"}
 
@@ -99,7 +100,7 @@ def _about(message: Any, field: str) -> dict[str, str]:
 
 
 def export(flight: Flight, payloads: tuple[ComponentId, ...], path: Path) -> None:
-    """Write a flight as MCAP; the same bytes for the same flight.
+    """Write a flight as MCAP, for its owner alone; the same bytes for the same flight.
 
     Times are UNIX time, or count from the first frame when the log does not know it.
 
@@ -111,7 +112,7 @@ def export(flight: Flight, payloads: tuple[ComponentId, ...], path: Path) -> Non
     context = Context()
     options = MCAPWriteOptions(profile="", compression_threads=0, disable_seeking=True)
     about = {"flight": flight.name, "time": "since the first frame" if flight.start is None else "UNIX"}
-    with refused_as(GroundError, f"{path}: cannot be written"), replacing(path) as aside, aside.open("wb") as raw:
+    with refused_as(GroundError, f"{path}: cannot be written"), replacing(path, OWN) as aside, aside.open("wb") as raw:
         file = _File(raw)
         with open_mcap(cast(BinaryIO, file), context=context, writer_options=options) as writer:
             writer.write_metadata("ross", about)

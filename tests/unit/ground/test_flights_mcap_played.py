@@ -4,6 +4,7 @@ import base64
 import json
 import os
 import shutil
+import stat
 from io import BytesIO
 
 import aiohttp
@@ -45,6 +46,15 @@ def ours(request, tmp_path):
     folder = (session if request.param == "session" else simulated)(tmp_path / "flown")
     (tmp_path / "flights").mkdir()
     return exported(folder, tmp_path / "flights" / "flown.mcap"), tmp_path / "flights" / "flown.mcap"
+
+
+def test_the_file_is_for_its_owner_alone_as_the_recording_is(tmp_path):
+    before = os.umask(0o022)
+    try:
+        exported(session(tmp_path / "flown"), tmp_path / "flown.mcap")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "flown.mcap").stat().st_mode) == 0o600
 
 
 def click(samples, rate):
