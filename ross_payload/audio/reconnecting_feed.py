@@ -19,6 +19,7 @@ log = logging.getLogger(__name__)
 
 FIRST_WAIT, LONGEST_WAIT = 0.5, 10.0  # [s] between two attempts
 LEAVE = 5.0  # [s] that a driver which hangs may take at the end
+MOST_TEXT = 120  # characters of what a feed of others has raised
 STALE = 2.0  # [s] without a frame: a feed that calls itself alive is not
 
 
@@ -86,7 +87,7 @@ class ReconnectingFeed:
             self._report("")
         if self._busy or now < self._due:
             return
-        if self._feed is not None and self._feed.alive and now - max(self._progress[1], resumed) < STALE:
+        if now - max(self._progress[1], resumed) < STALE and self._is_alive():
             return
         self._report(self.trouble or "the microphones were disconnected")
         self._busy = True
@@ -98,13 +99,19 @@ class ReconnectingFeed:
             self._worker.join(LEAVE)
         self._drop()
 
+    def _is_alive(self) -> bool:
+        try:
+            return self._feed is not None and self._feed.alive
+        except Exception:  # of others: it may raise anything
+            return False
+
     def _attempt(self) -> None:
         try:
             self._drop()
             self._feed = self._opener()
             self.reopened += 1
-        except RossError as error:
-            self._report(str(error))
+        except Exception as error:  # of others: it may raise anything
+            self._report(_in_words("opened", error))
         finally:
             now = self._clock.now()
             self._progress = (self._progress[0], now)
@@ -121,5 +128,14 @@ class ReconnectingFeed:
 
     def _drop(self) -> None:
         feed, self._feed = self._feed, None
-        if feed is not None:
-            feed.close()
+        try:
+            if feed is not None:
+                feed.close()
+        except Exception as error:  # of others: it may raise anything, and what it was is gone
+            log.warning("%s", _in_words("closed", error))
+
+
+def _in_words(what: str, error: Exception) -> str:
+    if isinstance(error, RossError):
+        return str(error)
+    return f"the microphones cannot be {what}: {type(error).__name__}: {' '.join(str(error).split())[:MOST_TEXT]}"

@@ -228,6 +228,46 @@ def test_each_change_is_logged_once(listen, make_card, moments, caplog):
     assert said[2:] == ["the microphones recovered"]
 
 
+class FeedOfOthers:
+    """Gives a second of sound, then raises whatever is asked of it."""
+
+    def __init__(self, on_samples, clock):
+        self._clock, self._end = clock, clock.now() + 1
+        for step in range(1, 101):
+            clock.at(clock.now() + step / 100, lambda: on_samples(np.full((HOP, 2), 0.25, np.float32)))
+
+    @property
+    def alive(self):
+        if self._clock.now() > self._end:
+            raise OSError(19, "No such device")
+        return True
+
+    def close(self):
+        if self._clock.now() > self._end:
+            raise KeyError("gone")
+
+
+def test_whatever_a_feed_of_others_raises_is_told_and_it_is_opened_again(moments, caplog):
+    opened = []
+
+    def opener(on_samples):
+        opened.append(moments.now())
+        if len(opened) == 2:
+            raise ValueError("no such\ncard")
+        return FeedOfOthers(on_samples, moments)
+
+    source = LiveSource(opener, RATE, ChannelMap.of(Audio()), 10.0, moments, start=at_once)
+    with source:
+        blocks = read(source, 4)
+    assert [record.message for record in caplog.records][:3] == [
+        "the microphones were disconnected",
+        "the microphones cannot be closed: KeyError: 'gone'",
+        "the microphones cannot be opened: ValueError: no such card",
+    ]
+    assert source.status().reopened > 0
+    assert not blocks[-1].flags & AudioFlag.MISSING
+
+
 def test_attempts_to_open_become_rarer(listen, make_card, moments):
     card = make_card()
     with listen(card) as source:
