@@ -63,8 +63,9 @@ def parsed(text: bytes) -> dict[str, Any] | None:
         whole = whole and isinstance(values.get("height", 0.0), int | float)
         speeds = values.get("rotors", ())
         whole = whole and isinstance(speeds, list | tuple) and all(isinstance(speed, int | float) for speed in speeds)
-        told = values.get("pointing", ())
-        whole = whole and len(told) in (0, 4) and all(isinstance(number, int | float) for number in told)
+        told = values.get("pointing", (0.0, 0.0, 0.0, 0.0))
+        whole = whole and len(told) == 4 and all(isinstance(number, int | float) for number in told)
+        whole = whole and isinstance(values["settled"], bool) and isinstance(values.get("fault", ""), str)
         counts = (values["n"], values["index"], values.get("lost", 0), values.get("flags", 0))
         whole = whole and all(type(count) is int and abs(count) < 2**53 for count in counts)
         whole = whole and 0 < values["n"] < 2**31

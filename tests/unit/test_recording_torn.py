@@ -55,12 +55,32 @@ def test_a_damaged_line_in_the_middle_is_said(whole):
 
 @pytest.mark.parametrize(
     "damage",
-    [b'"orders":5,', b'"orders":[5],', b'"lost":"x",', b'"flags":null,', b'"n":true,', b'"n":99999999999999999999,'],
+    [
+        *(
+            b'"orders":5,',
+            b'"orders":[5],',
+            b'"lost":"x",',
+            b'"flags":null,',
+            b'"n":true,',
+            b'"n":99999999999999999999,',
+        ),
+        *(b'"settled":null,', b'"pointing":[],', b'"fault":5,'),
+    ],
 )
 def test_a_line_whose_values_cannot_be_is_damaged(whole, damage):
     path = whole.path / "inputs.jsonl"
     lines = path.read_bytes().splitlines(keepends=True)
     lines[40] = lines[40].rstrip(b"}\n") + b"," + damage.rstrip(b",") + b"}\n"
+    path.write_bytes(b"".join(lines))
+    assert len(list(whole.inputs(Config().audio))) == 40
+    assert any("line 41" in note for note in whole.contents().notes)
+
+
+@pytest.mark.parametrize("key", [b"settled", b"time", b"joint", b"attitude"])
+def test_a_line_that_lacks_what_every_line_has_is_damaged(whole, key):
+    path = whole.path / "inputs.jsonl"
+    lines = path.read_bytes().splitlines(keepends=True)
+    lines[40] = lines[40].replace(b'"' + key, b'"\x5f' + key[1:])
     path.write_bytes(b"".join(lines))
     assert len(list(whole.inputs(Config().audio))) == 40
     assert any("line 41" in note for note in whole.contents().notes)
