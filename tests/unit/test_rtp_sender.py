@@ -72,6 +72,8 @@ def test_what_another_stream_lost_is_not_told_as_lost_here(sender):
     assert sender.packets_lost is None
     sender.on_report(report(ssrc, 3), 1.0)
     assert sender.packets_lost == 3
+    sender.on_report(report(ssrc, -2), 1.0)  # RFC 3550: more came than were sent, as some came twice
+    assert sender.packets_lost == 0
 
 
 def test_a_source_that_is_opened_again_goes_on_in_time(sender):

@@ -211,7 +211,8 @@ class RtpSender:
             if isinstance(report, RtcpRrPacket):
                 self.listener.reported(now)
                 for block in report.reports:
-                    self.packets_lost = block.packets_lost if block.ssrc == self._ssrc else self.packets_lost
+                    if block.ssrc == self._ssrc:  # below 0 when packets came twice, RFC 3550, section 6.4.1
+                        self.packets_lost = max(block.packets_lost, 0)
             elif isinstance(report, RtcpByePacket):
                 self.listener.left(now)
             elif isinstance(report, RtcpRtpfbPacket) and (report.fmt, report.media_ssrc) == (
