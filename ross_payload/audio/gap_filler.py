@@ -20,6 +20,7 @@ from ross_payload.interfaces import Samples
 
 LATE = 0.040  # [s] behind the Clock: held back
 CAUGHT_UP = 0.020  # [s] behind the Clock: nothing is missing
+EARLY = 0.040  # [s] before it can have been heard: zeros stand for more than was missing
 DECIDE = 0.3  # [s] until what does not catch up is a gap
 CATCHING_UP = 0.03  # [s] that later pieces are less late, within that time
 LONGEST = 1.5  # [s] that anything is held back
@@ -61,6 +62,7 @@ class GapFiller:
         self._index = 0  # of the next sample to give
         self._end = 0  # behind all that is ready
         self._owed = 0  # zeros given in advance while nothing came
+        self._guessed = 0  # zeros for what may still come, however late
         self.missing = 0  # samples that never came, since the start
 
     @property
@@ -93,6 +95,7 @@ class GapFiller:
             self._resolve(self._clock)
             given = min(refused, self._owed)
             self._owed -= given
+            self._guessed -= given
             self._zeros(refused - given)
         self._hold(piece, self._clock)
         in_time = self._earliest < (LATE if len(self._held) == 1 else CAUGHT_UP)
@@ -115,7 +118,7 @@ class GapFiller:
             if not self._owed:
                 self._clock.coast(self._end)
             self._owed += silent
-            self._zeros(silent)
+            self._guess(silent)
 
     def read(self, n: int) -> Stretch:
         """Give the next ``n`` samples; there must be as many."""
@@ -166,11 +169,13 @@ class GapFiller:
         gap = round(self._earliest * self._rate) if self._earliest > LATE else 0
         if gap > self._owed:
             clock.coast(self._end)
-        self._zeros(gap - self._owed)
-        surplus = max(self._owed - gap, 0)
+        self._guess(gap - self._owed)
+        early = round(-self._earliest * self._rate) if self._earliest < -EARLY else 0
+        surplus = max(self._owed - gap, 0) + min(early, self._guessed)
         for piece in self._held:
             cut = min(surplus, piece.samples.shape[1])
             surplus -= cut
+            self._guessed -= cut
             self._append(piece.samples[:, cut:])
         if len(self._held) == 1:
             clock.observe(self._end, self._held[0].arrived)
@@ -183,6 +188,10 @@ class GapFiller:
         if samples.shape[1]:
             self._ready.append(samples)
             self._end += samples.shape[1]
+
+    def _guess(self, n: int) -> None:
+        self._guessed += max(n, 0)
+        self._zeros(n)
 
     def _zeros(self, n: int) -> None:
         if n > 0:

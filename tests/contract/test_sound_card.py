@@ -154,6 +154,20 @@ def test_a_stall_that_catches_up_costs_only_what_was_already_given_as_zeros(list
     assert np.abs(errors(blocks, card)).max() < 2 * NEAR
 
 
+@pytest.mark.parametrize("stall", [(2.0, 2.0), *in_soak((1.0, 1.5), (1.5, 2.0), (0.6, 1.5))])
+def test_zeros_for_what_comes_after_all_however_slowly_are_taken_back(listen, make_card, moments, errors, stall):
+    """As from microphones behind a busy network: what waited there comes only a little faster than it is heard."""
+    card = make_card(jitter=0.004)
+    length, card.speed = stall
+    with listen(card) as source:
+        begin = moments.now() + 3
+        card.blocked = (begin, begin + length, True)
+        blocks = read(source, 14)
+        assert blocks[-1].time + HOP / RATE < moments.now(), "nothing is heard before its time"
+    assert np.abs(errors(blocks[-300:], card)).max() < 0.02  # of 0.04 s that are left, the loop has pulled in half
+    assert source.status().lost == missing(blocks)
+
+
 @pytest.mark.parametrize("speed", [np.inf, 5.0])
 @pytest.mark.parametrize("length", [0.6, *in_soak(0.3, 1.0, 2.5)])
 def test_a_pause_of_the_whole_computer_costs_nothing_that_comes_afterwards(listen, make_card, moments, length, speed):
