@@ -159,7 +159,7 @@ class RecordedSession:
         if known.version != manifest.VERSION:
             yield f"session.json: expected version {manifest.VERSION}, got {known.version}: read as far as it goes"
         if known.end is None:
-            yield "cut off: its end was not recorded; at most the last second is missing"
+            yield "cut off: its end was not recorded; at most the last second is missing, after a power cut some 30 s"
         for name, read in (("inputs.jsonl", found.inputs), ("events.jsonl", found.events)):
             lines = sum(1 for _ in _lines(self.path / name))
             if lines > read:
