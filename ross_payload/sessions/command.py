@@ -81,7 +81,8 @@ def check(folder: Path, as_json: bool) -> None:
         )
     )
     click.echo(f"{found.inputs} Inputs, {found.seconds:.2f} s, {found.orders} orders, {found.events} events")
-    click.echo(f"{found.audio:.2f} s of audio at {session.rate()} Hz, {found.lost} samples lost")
+    holes = f"{found.missing:.2f} s of it with missing samples, {found.lost} samples left out"
+    click.echo(f"{found.audio:.2f} s of audio at {session.rate()} Hz, {holes}")
     for note in found.notes:
         click.echo(f"note: {note}")
     if not found.notes:

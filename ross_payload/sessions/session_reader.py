@@ -13,7 +13,7 @@ from ross_payload.audio.wav_files import WavReader
 from ross_payload.bounded_files import MB, open_regular, parsed_json, read_bounded
 from ross_payload.config import Audio, Config, validated
 from ross_payload.errors import ConfigError, refused_as
-from ross_payload.interfaces import Input, Score
+from ross_payload.interfaces import AudioFlag, Input, Score
 from ross_payload.sessions import input_log, manifest
 from ross_payload.sessions.manifest import Manifest
 from ross_payload.sessions.npz_memory import unpacked
@@ -31,7 +31,8 @@ class Contents:
     audio: float = 0.0  # of the samples [s]
     orders: int = 0
     events: int = 0
-    lost: int = 0  # samples that never came
+    lost: int = 0  # samples that were left out
+    missing: float = 0.0  # of the Inputs, those in which zeros stand for samples that never came [s]
     rounded: bool = False  # 24 bits did not hold every sample
     notes: tuple[str, ...] = ()  # one line each; empty: whole
 
@@ -126,9 +127,10 @@ class RecordedSession:
     def contents(self) -> Contents:
         """Read everything once."""
         found = Contents(events=len(self.events()))
-        samples, rate = 0, self.rate()
+        samples, missing, rate = 0, 0, self.rate()
         for values in self.lines():
             samples += values["n"]
+            missing += values["n"] if AudioFlag(values.get("flags", 0)) & AudioFlag.MISSING else 0
             found = replace(
                 found,
                 inputs=found.inputs + 1,
@@ -138,7 +140,7 @@ class RecordedSession:
             )
         length = self.audio_length()
         notes = tuple(self._notes(found, samples, length))
-        return replace(found, seconds=samples / rate, audio=length / rate, notes=notes)
+        return replace(found, seconds=samples / rate, missing=missing / rate, audio=length / rate, notes=notes)
 
     def rate(self) -> int:
         """Return the sampling rate [Hz] of the audio file; 16000 when there is none."""

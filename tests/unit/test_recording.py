@@ -84,6 +84,14 @@ def test_a_session_that_ended_well_has_nothing_to_complain_of(tmp_path):
     assert found.configuration() == Config()
 
 
+def test_what_never_came_is_told_with_a_recording(tmp_path):
+    def with_flags(index, flags):
+        return input_of(index, block=replace(block_of(index), flags=flags))
+
+    record(tmp_path, [with_flags(k, AudioFlag.MISSING if 10 <= k < 40 else AudioFlag.CLIPPED) for k in range(100)])
+    assert (only(tmp_path).contents().missing, only(tmp_path).contents().lost) == (0.3, 0)
+
+
 def test_only_the_owner_can_read_it(tmp_path):
     record(tmp_path / "all", [input_of(k) for k in range(3)], said=[Event(0.0)])
     folder = only(tmp_path / "all").path
