@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import json
+from collections import deque
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from ross_payload.sessions.manifest import Beginning
 from ross_payload.transport.tlog import TlogRecorder
 
 FLUSH = 0.5  # [s] of audio that wait at most
+AT_ONCE_S = 2.0  # of silence before a voice: hours of it would hold up everything else
 
 
 class SessionWriter:
@@ -33,7 +35,7 @@ class SessionWriter:
         self._pending = 0  # samples waiting
         self._samples = 0  # written
         self._first: int | None = None  # index of the first sample
-        self._voices: dict[str, AlignedTrack] = {}
+        self._voices: dict[str, VoiceTrack] = {}
         with ExitStack() as stack:
             manifest.write(folder, begin, started)
             self._inputs = stack.enter_context(create(folder / "inputs.jsonl"))
@@ -74,7 +76,7 @@ class SessionWriter:
         if self._first is None:
             return
         if name not in self._voices:
-            track = self._voices[name] = AlignedTrack(self.folder / f"{name}.flac", self._rate)
+            track = self._voices[name] = VoiceTrack(self.folder / f"{name}.flac", self._rate)
             self._open.callback(track.close)
         self._voices[name].write(block.index - self._first, block.samples)
 
@@ -109,6 +111,44 @@ class SessionWriter:
     def close(self) -> None:
         """Close everything as it is; idempotent."""
         self._open.close()
+
+
+class VoiceTrack:
+    """An aligned track whose silence before a voice that begins late is written little by little, as the voice comes.
+
+    Parameters
+    ----------
+    path, rate
+        As of `AlignedTrack`.
+    """
+
+    def __init__(self, path: Path, rate: int) -> None:
+        self._track = AlignedTrack(path, rate)
+        self._at_once = round(AT_ONCE_S * rate)
+        self._waiting: deque[tuple[int, Samples]] = deque()  # places, and what belongs there
+
+    def write(self, place: int, samples: Samples) -> None:
+        """Write samples (n,) at their place, or keep them until there is silence before them."""
+        self._waiting.append((place, samples))
+        self._advance(self._track.length + self._at_once)
+
+    def close(self) -> None:
+        """Write what waits and close; idempotent."""
+        try:
+            while self._waiting:
+                self._advance(self._waiting[0][0])
+        finally:
+            self._waiting.clear()
+            self._track.close()
+
+    def _advance(self, furthest: int) -> None:
+        while self._waiting:
+            place, samples = self._waiting[0]
+            if place > furthest:
+                self._track.write(furthest, samples[:0])
+                return
+            self._track.write(place, samples)
+            self._waiting.popleft()
 
 
 def _recorded(hop: Input) -> Samples:

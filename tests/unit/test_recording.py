@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+import soundfile
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,7 +18,7 @@ from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.config import Config
 from ross_payload.events import Estimate, Event, SourceEstimate, State, StateChanged
 from ross_payload.health import RecordingState
-from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Score, VoicePrint
+from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Score, VoiceBlock, VoicePrint
 from ross_payload.orders import Informed, ListenTo, Set, Stop
 from ross_payload.pointing import Pointing
 from ross_payload.sessions import input_log
@@ -82,6 +83,23 @@ def test_a_session_that_ended_well_has_nothing_to_complain_of(tmp_path):
     assert (found.contents().inputs, found.contents().seconds) == (120, 1.2)
     assert (found.manifest.lower, found.manifest.upper, found.manifest.voice) == (-3.0, math.inf, "ann")
     assert found.configuration() == Config()
+
+
+def test_a_voice_that_begins_late_holds_up_nothing_and_has_its_place(tmp_path):
+    rate = Config().audio.rate_hz
+    late, voice = 60 * rate, np.linspace(0.1, 0.2, 50 * HOP).astype(np.float32)
+    with recording(tmp_path) as recorder:
+        recorder.on_input(input_of(0))
+        for first in range(0, len(voice), HOP):
+            recorder.on_voice("source-0", VoiceBlock(voice[first : first + HOP], late + first, 60.0))
+            recorder.drain()
+            if not first:
+                (path,) = tmp_path.glob("*/source-0.flac")
+                assert soundfile.info(path).frames <= 2 * rate, "hours of silence take their time"
+    heard, _ = soundfile.read(path, dtype="float32")
+    assert len(heard) == late + len(voice)
+    assert not heard[:late].any()
+    assert heard[late:] == pytest.approx(voice, abs=1e-6)
 
 
 def test_what_never_came_is_told_with_a_recording(tmp_path):
