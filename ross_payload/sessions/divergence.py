@@ -122,7 +122,7 @@ class Replayed:
     """What a replay has brought."""
 
     start: float = 0.0  # mission time of the first Input [s]
-    events: list[Event] = field(default_factory=list)
+    latest: dict[type[Event], Event] = field(default_factory=dict)  # of every kind: all voices would fill the memory
     lines: list[str] = field(default_factory=list)  # of events.jsonl
     inputs: int = 0  # sent so far
     samples: int = 0  # heard so far
@@ -151,7 +151,7 @@ def _feed(mission: Mission, inputs: Iterable[Input], course: Divergence, rate: i
     joint = 0.0
     for hop in inputs:
         if replayed.inputs:  # what was said before the first Input is not in the recording either
-            replayed.events += output.events
+            replayed.latest |= {type(event): event for event in output.events}
             if any(isinstance(event, SourcesEstimated) for event in output.events):
                 replayed.earth = hop.pointing.earth
             replayed.lines += [event_json.line(event) for event in output.events]

@@ -53,7 +53,7 @@ def prepared(folder: Path) -> Iterator[None]:
 def report(session: RecordedSession, replay_state: Replayed, rate: int) -> dict[str, Any]:
     """Everything worth keeping of a replay, as plain values: no paths, the same on every rerun."""
     known, recorded = session.manifest, session.events()
-    estimated, separated = last(replay_state.events, SourcesEstimated), last(replay_state.events, Separated)
+    estimated, separated = latest(replay_state, SourcesEstimated), latest(replay_state, Separated)
     return {
         "identical": identical(replay_state.lines, recorded, cut_off=known.end is None),
         "first_difference": difference(replay_state.lines, recorded),
@@ -96,7 +96,7 @@ def write(folder: Path, values: dict[str, Any], replay_state: Replayed, rate: in
     OutputError
         When the disk is full or gone.
     """
-    voices = voices_of(last(replay_state.events, Separated))
+    voices = voices_of(latest(replay_state, Separated))
     for name, voice in voices.items():
         write_wav(folder / name, voice, rate)
     with refused_as(OutputError, f"{folder}: cannot be written"):
@@ -108,9 +108,10 @@ def write(folder: Path, values: dict[str, Any], replay_state: Replayed, rate: in
                 part.write_text(text, encoding="utf-8")
 
 
-def last(events: Sequence[Event], kind: type[E]) -> E | None:
+def latest(replay_state: Replayed, kind: type[E]) -> E | None:
     """Return the last event of a kind, or None."""
-    return next((event for event in reversed(events) if isinstance(event, kind)), None)
+    event = replay_state.latest.get(kind)
+    return event if isinstance(event, kind) else None
 
 
 def voices_of(separated: Separated | None) -> dict[str, Samples]:

@@ -5,6 +5,7 @@ import math
 import stat
 import time
 import wave
+import weakref
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,14 +17,16 @@ from hypothesis import strategies as st
 from recording_bench import HOP, beginning, block_of, equal, input_of, only, record, recording
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.config import Config
-from ross_payload.events import Estimate, Event, SourceEstimate, State, StateChanged
+from ross_payload.events import Estimate, Event, Separated, SourceEstimate, State, StateChanged
 from ross_payload.health import RecordingState
-from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Score, VoiceBlock, VoicePrint
+from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Output, Score, VoiceBlock, VoicePrint
 from ross_payload.orders import Informed, ListenTo, Set, Stop
 from ross_payload.pointing import Pointing
 from ross_payload.sessions import input_log
+from ross_payload.sessions.divergence import Divergence, Replayed, replay
 from ross_payload.sessions.npz_memory import packed, unpacked
 from ross_payload.sessions.recorder import in_background
+from ross_payload.sessions.replay_results import latest
 
 ORDERS = (Set(name="RUN_S", value=0.1 + 0.2, number=7), ListenTo(2), Informed((0.1, -math.pi), 1), Stop())
 
@@ -232,3 +235,19 @@ def test_a_session_of_an_older_version_tells_where_the_array_pointed(tmp_path):
     assert [each.base_rate for each in found[1:]] == pytest.approx([0.2] * 39)
     assert all(each.earth for each in found)
     assert found[-1].time == pytest.approx(0.4)
+
+
+def test_a_replay_of_hours_keeps_the_last_voices_alone():
+    kept = []
+
+    def mission():
+        while True:
+            voices = np.zeros((2, 10), np.float32)
+            kept.append(weakref.ref(voices))
+            yield Output(events=(Separated(0.0, 0, 0.0, voices, (), 0, "auxiva", ""),))
+
+    told = Replayed()
+    replay(mission(), map(input_of, range(20)), Divergence([], 0.005), 16000, told)
+    assert len(told.lines) == 19
+    assert [ref() is not None for ref in kept].count(True) == 1
+    assert latest(told, Separated).voices.shape == (2, 10)
