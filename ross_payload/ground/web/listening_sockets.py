@@ -11,6 +11,7 @@ import json
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
+from ross_payload.bounded_files import parsed_json
 from ross_payload.ground.audio.sound_queue import Listener
 from ross_payload.ground.audio.voice_relay import VoiceRelay
 from ross_payload.ground.errors import GroundError
@@ -106,7 +107,7 @@ async def _on_message(relay: VoiceRelay, listener: Listener, text: str) -> None:
     ValueError
         When it cannot be done.
     """
-    message = json.loads(text)
+    message = parsed_json(text)
     kind = message.get("type") if isinstance(message, dict) else None
     if kind == "ping":
         listener.send({"type": "pong", "at": message.get("at")})

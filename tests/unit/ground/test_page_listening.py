@@ -42,6 +42,9 @@ class Ear:
     async def choose(self, **choice):
         await self._socket.send_str(json.dumps({"type": "choose", **choice}))
 
+    async def say(self, text):
+        await self._socket.send_str(text)
+
     async def close(self):
         await self._socket.close()
 
@@ -178,6 +181,16 @@ async def test_what_cannot_be_listened_to_is_refused_in_one_line(who, choice, wh
         assert why in one.told[-1]["why"]
         assert one.code == aiohttp.WSCloseCode.POLICY_VIOLATION
         assert not payload.orders
+
+
+@pytest.mark.parametrize("text", ["[" * 2000, "\x00", '{"type": 1e999'])
+async def test_what_is_no_message_is_refused_in_one_line(text, capsys):
+    async with heard() as (_, _, served), ear(served.url) as one:
+        await one.say(text)
+        await one.until(lambda: one.code is not None)
+        assert one.told[-1]["type"] == "refused"
+        assert one.code == aiohttp.WSCloseCode.POLICY_VIOLATION
+    assert "Traceback" not in capsys.readouterr().err
 
 
 async def test_without_the_extra_it_is_told_how_to_install_it(monkeypatch):
