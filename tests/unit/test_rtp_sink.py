@@ -1,6 +1,7 @@
 """The sink ``rtp`` on real sockets, its session descriptions over HTTP, and ``ross listen`` beside them."""
 
 import errno
+import os
 import socket
 import sys
 import threading
@@ -80,6 +81,22 @@ def test_nobody_there_is_a_fault_until_somebody_is(tmp_path):
             sock.bind(("127.0.0.1", port))
             wait_for(lambda: not sink.fault)
             assert info_of(sink).listeners == 1
+
+
+class Slow(socket.socket):
+    """A socket on a network that takes nothing more for now."""
+
+    def send(self, data, flags=0):
+        raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+
+
+def test_a_network_that_is_too_slow_tells_nothing_of_who_listens(tmp_path, monkeypatch):
+    monkeypatch.setattr(socket, "socket", Slow)
+    with opened(5004, tmp_path, codec="L16") as sink, talking(sink):
+        wait_for(lambda: sink.lost > 0)
+        assert sink.fault == "rtp to 127.0.0.1 port 5004: the network is slower than the stream"
+        info = info_of(sink)
+        assert (info.listeners, info.unheard_s) == (1, 0.0)
 
 
 def test_the_broadcast_of_a_network_is_refused(tmp_path):

@@ -32,6 +32,7 @@ KEPT_S = 1.0  # of samples that wait for the thread; beyond that they are lost
 IDLE_S = 0.25  # between two looks, with nothing to do
 FAILED_S = 3.0  # after the system could not send, it still holds
 LEAVE_S = 1.0  # for what waits, in the end
+TOO_SLOW = "the network is slower than the stream"
 log = logging.getLogger(__name__)
 CODECS = {name.lower(): name for name in (L16, OPUS)}
 
@@ -264,6 +265,9 @@ class RtpSink:
             except ConnectionRefusedError:  # the news is of an earlier packet; this one was not sent
                 self._sender.listener.refused(self._clock.now())
                 continue
+            except BlockingIOError:  # which tells nothing of who listens
+                self._failed_at, self._failure = self._clock.now(), TOO_SLOW
+                return False
             except OSError as error:
                 self._failed_at, self._failure = self._clock.now(), reason(error)
                 self._sender.listener.refused(self._failed_at)
