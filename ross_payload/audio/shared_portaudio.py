@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any
 
 CLOSE_TIMEOUT_S = 5.0  # that closing waits for a driver which hangs
+SELDOM = 5  # attempts to open a device from one new list to the next: sounddevice silences stderr while it makes one
 
 
 class SharedPortAudio:
@@ -28,23 +29,24 @@ class SharedPortAudio:
         self._module = module
         self._guard = threading.Lock()  # of all that PortAudio is asked
         self._streams: set[OpenStream] = set()
-        self._is_initialised, self._is_listed = True, False
+        self._is_initialised = True
+        self._attempts = 0  # since the list was made
 
     @contextmanager
     def listed(self, *, ends_others: bool) -> Iterator[Callable[[Any], OpenStream]]:
         """Look for a device and open it; gives what takes a stream that was made, starts and keeps it.
 
-        The list of devices is new, unless somebody else has a stream open and that shall go on.
+        The list of devices is made again now and then, unless somebody else has a stream open.
 
         Parameters
         ----------
         ends_others
-            Whether streams of others are ended for the sake of a new list: nothing can be heard without microphones.
+            Whether the list is made again in any case: without microphones there is nothing that others could play.
         """
         with self._guard:
-            if self._is_listed and (ends_others or not self._streams):
+            if ends_others or (self._attempts >= SELDOM and not self._streams):
                 self._list_again()
-            self._is_listed = True
+            self._attempts += 1
             yield self._started
 
     def is_active(self, stream: OpenStream) -> bool:
@@ -84,7 +86,7 @@ class SharedPortAudio:
             finally:
                 self._streams.clear()  # not before: its callbacks run until then
         self._module._initialize()
-        self._is_initialised = True
+        self._is_initialised, self._attempts = True, 0
 
 
 class OpenStream:
