@@ -62,6 +62,8 @@ def test_any_url_is_read_or_refused(url):
     [
         ("239.1.2.3", "which is multicast"),
         ("ff02::1", "which is multicast"),
+        ("::ffff:239.1.2.3", "which is multicast"),
+        ("::ffff:255.255.255.255", "which is broadcast"),
         ("255.255.255.255", "which is broadcast"),
         ("0.0.0.0", "which is no address in particular"),  # noqa: S104 - is refused
         ("::", "which is no address in particular"),

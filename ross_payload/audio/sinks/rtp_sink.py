@@ -58,10 +58,10 @@ class RtpOptions(Table):
 
 
 def unicast(text: str) -> str:
-    """Return an address in its usual form.
+    """Return an address in its usual form, that of IPv4 where it is one of these in IPv6 (RFC 4291, 2.5.5.2).
 
-    >>> unicast("FD00::0007")
-    'fd00::7'
+    >>> unicast("FD00::0007"), unicast("::ffff:192.168.1.20")
+    ('fd00::7', '192.168.1.20')
 
     Raises
     ------
@@ -72,6 +72,8 @@ def unicast(text: str) -> str:
         address = ipaddress.ip_address(text)
     except ValueError:
         raise ValueError(f"expected one like 192.168.1.20 or fd00::20, got {shown(text)}") from None
+    if isinstance(address, ipaddress.IPv6Address):
+        address = address.ipv4_mapped or address
     limited = address == ipaddress.ip_address("255.255.255.255")
     if address.is_multicast or address.is_unspecified or limited:
         kind = "multicast" if address.is_multicast else "broadcast" if limited else "no address in particular"
