@@ -2,7 +2,7 @@
 
 The daemon takes set-points (``/api/move/ws/set_target``) and jumps to them. So the driver plans the motion and sends
 where the head shall be, 50 times a second while something moves; at rest it sends nothing, and others may move the
-robot.
+robot. When this program was held up, the plan goes on from where the head is.
 Feedback is the measured pose of the head (``/api/state/ws/full``). A program that dies leaves the head where the last
 set-point was: a fiftieth of a second of travel.
 
@@ -16,11 +16,11 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Driver, DriverBackend, Move, Request, capabilities_of
-from ross_payload.actuators.motion import Trapezoid
+from ross_payload.actuators.set_points import SET_POINT_PERIOD_S, SetPoints
 from ross_payload.config import Degrees, Positive, Table
 from ross_payload.interfaces import ActuatorState, Feedback
 
-SET_POINT_S = 0.020  # between two set-points, as its own control loop runs
+PAUSE_S = 0.1  # without a set-point, and the head rests at the last one
 FRESH_S = 0.3  # a report that is older proves nothing
 STILL_RAD_S = math.radians(0.5)  # slower is at rest
 ENABLING_S = 2.0  # that the motors may take until they hold
@@ -58,6 +58,8 @@ class ReachyMini(Driver):
         self._options = options
         self.capabilities = capabilities_of(options, math.radians(options.resolution_deg), Feedback.MEASURED)
         self._angle, self._rate = 0.0, 0.0  # measured
+        self._set_point = 0.0  # the last one
+        self._plan = SetPoints(self.capabilities, pause=PAUSE_S)
         self._forget()
 
     @property
@@ -71,6 +73,7 @@ class ReachyMini(Driver):
     def read(self, now):
         for state in self._port.receive():
             self._on_state(state, now)
+        self._plan.catch_up(self._angle if now - self._time <= FRESH_S else self._set_point, 0.0, now)
 
     def obey(self, request, now):
         self._restless = now
@@ -79,10 +82,10 @@ class ReachyMini(Driver):
         elif request is Request.HALT:
             self._halt(now)
         elif request is Request.RELEASE:
-            self._plan, self._waiting = None, None
+            self._plan.motion = self._waiting = None
             self._port.send({"motors": "disabled"})
         elif request is Request.HOME:
-            self._fault, self._plan, self._waiting = "", None, None
+            self._fault, self._plan.motion, self._waiting = "", None, None
 
     def write(self, now):
         if self._waiting and self._mode == "enabled":
@@ -90,17 +93,17 @@ class ReachyMini(Driver):
             self._start(move, self._angle, 0.0, now)
         elif self._waiting and now > self._waiting[1]:
             self._fail(f"the motors stay {self._mode or 'silent'}: expected enabled")
-        if self._plan is None or now < self._sent + SET_POINT_S - TIME_TOLERANCE_S:
+        motion = self._plan.motion
+        due = None if motion is None else self._plan.due(motion, SET_POINT_PERIOD_S, now)
+        if due is None:
             return
-        plan, begin = self._plan
-        set_point = plan.at(now + SET_POINT_S - begin)[0]
-        self._send(set_point, now)
-        if abs(set_point - self._angle) < BEHIND:
+        self._send(due)
+        if abs(due - self._angle) < BEHIND:
             self._followed = now
         if now - self._followed > BEHIND_S:
             self._fail("the head does not follow: does another program move it, or is it blocked?")
-        elif now - begin > plan.duration and self._settled(now):
-            self._plan = None  # the daemon keeps the last target
+        elif now > motion.end and self._settled(now):
+            self._plan.motion = None  # the daemon keeps the last target
 
     def snapshot(self, now):
         return ActuatorState(
@@ -119,10 +122,11 @@ class ReachyMini(Driver):
         return False
 
     def leave(self, clock):
+        self.read(clock.now())
         self._halt(clock.now())
         until = clock.now() + self.capabilities.max_speed / self.capabilities.max_acceleration + 1.0
         yield
-        while self._plan is not None and clock.now() < until:
+        while self._plan.motion is not None and clock.now() < until:
             yield
 
     def close(self):
@@ -133,9 +137,9 @@ class ReachyMini(Driver):
     def _forget(self):
         self._pose, self._body, self._mode = None, 0.0, ""
         self._time = self._stamp = -math.inf  # of the last report: here, and when it changed [s]
-        self._plan, self._waiting, self._fault = None, None, ""
+        self._plan.motion, self._waiting, self._fault = None, None, ""
         self._goal = None
-        self._sent = self._restless = self._followed = -math.inf
+        self._restless = self._followed = -math.inf
 
     def _on_state(self, state, now):
         try:
@@ -152,11 +156,11 @@ class ReachyMini(Driver):
             self._rate = rate if abs(rate) >= STILL_RAD_S else 0.0
         self._pose, self._body, self._mode = pose, body, mode
         self._angle, self._time = pose["yaw"], now
-        moving = self._plan is not None and now - self._plan[1] <= self._plan[0].duration
+        moving = self._plan.motion is not None and now <= self._plan.motion.end
         away = self._goal is not None and abs(self._angle - self._goal) > self.capabilities.resolution
         if self._rate or moving or away:
             self._restless = now
-        if self._plan is not None and mode != "enabled":
+        if self._plan.motion is not None and mode != "enabled":
             self._fail(f"the motors are {mode}: expected enabled")
 
     def _settled(self, now):
@@ -165,7 +169,7 @@ class ReachyMini(Driver):
 
     def _fail(self, why):
         self._fault = self._fault or why
-        self._plan, self._waiting, self._goal = None, None, None
+        self._plan.motion = self._waiting = self._goal = None
 
     # ------------------------------------------------------------------------------------------ motion
 
@@ -176,39 +180,31 @@ class ReachyMini(Driver):
             self._fail("the daemon does not tell where the head is")
         elif max(abs(self._pose["roll"]), abs(self._pose["pitch"])) > UPRIGHT:
             self._fail("the head is not upright: wake the robot up first")
-        elif self._plan is not None:
-            self._start(move, *self._planned(now), now)
+        elif self._plan.motion is not None:
+            self._start(move, *self._plan.motion.at(now), now)
         elif self._mode == "enabled":
             self._start(move, self._angle, 0.0, now)
         else:
             self._held, self._base = self._pose, self._body
-            self._send(self._angle, now)  # first, so that motors which come on stay where they are
+            self._send(self._angle)  # first, so that motors which come on stay where they are
             self._port.send({"motors": "enabled"})
             self._waiting = (move, now + ENABLING_S)
 
     def _start(self, move, position, velocity, now):
-        if self._plan is None:
+        if self._plan.motion is None:
             self._held, self._base = self._pose, self._body
-        self._plan = (Trapezoid(position, move.goal, move.rate, self.capabilities.max_acceleration, velocity), now)
+        self._plan.turn(move, position, velocity, now)
         self._goal, self._followed = move.goal, now
 
     def _halt(self, now):
-        self._waiting = None
-        if self._plan is None:
-            return
-        position, velocity = self._planned(now)
-        plan = Trapezoid.to_rest(position, velocity, self.capabilities.max_acceleration)
-        self._plan, self._goal = (plan if velocity else Trapezoid.still(position), now), None
+        self._waiting = self._goal = None
+        self._plan.halt(now)
 
-    def _planned(self, now):
-        plan, begin = self._plan
-        return plan.at(now - begin)
-
-    def _send(self, yaw, now):
+    def _send(self, yaw):
         """Send a set-point; all but the yaw stays as it was measured when the turn began."""
         body = yaw if self._options.body_follows else self._base
         self._port.send({"target_head_pose": self._held | {"yaw": yaw}, "target_body_yaw": body})
-        self._sent = now
+        self._set_point = yaw
 
 
 backend = DriverBackend("Head of a Reachy Mini, through its daemon.", Options, ReachyMini)
