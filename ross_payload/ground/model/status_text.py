@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
@@ -13,7 +14,7 @@ PREFIX = "RoSS: "  # of the payload's texts
 REST_TIMEOUT_S = 2.0  # for the rest of a text
 EXPLANATION_S = 1.5  # around a refusal, in which the payload says why
 GAP = " ... "
-DONE, FORGET = 32, 10.0  # texts whose late doubles are known, and for how long [s]
+DONE, FORGET = 32, 10.0  # texts whose late doubles are known, and for how long [s]; a payload that restarts counts anew
 MOST_CHUNKS = 20  # of a text: 1000 characters
 
 
@@ -24,9 +25,17 @@ class _Begun:
     parts: dict[int, str] = field(default_factory=dict)
     last: int | None = None  # chunk
 
+    def may_have(self, text: Text) -> bool:
+        """Tell whether a chunk may be one of this text: nothing that is known of it says otherwise."""
+        beyond = self.last is not None and min(text.chunk, MOST_CHUNKS) > self.last
+        return text.severity == self.severity and self.parts.get(text.chunk, text.text) == text.text and not beyond
+
 
 class Texts:
     """The texts of one component. A lost chunk leaves a gap; its text waits for it for `REST_TIMEOUT_S`.
+
+    The id of a text may be used again at once, by a component that has started anew: chunks that cannot belong to what
+    came with it before begin another text.
 
     >>> from ross_protocols.mavlink.codec import chunks
     >>> from ross_protocols.mavlink.values import Severity
@@ -37,30 +46,40 @@ class Texts:
 
     def __init__(self) -> None:
         self._begun: OrderedDict[int, _Begun] = OrderedDict()  # by the id of the text
-        self._done: OrderedDict[int, float] = OrderedDict()  # when [s], by the id of the text
+        self._done: OrderedDict[int, tuple[float, _Begun]] = OrderedDict()  # when [s] and what, by the id of the text
 
     def on_chunk(self, text: Text, at: float) -> list[StatusText]:
         """Take a chunk that came ``at`` a time [s]; return the texts that are whole, or will not be."""
         if not text.id:
             return [*self.completed(at), StatusText(at, int(text.severity), text.text)]
-        if text.id in self._done and at - self._done[text.id] < FORGET:
+        begun = self._begun.get(text.id)
+        if begun is None and self._is_double(text, at):
             return self.completed(at)
+        given_up = []
+        if begun is not None and not begun.may_have(text):
+            given_up.append(_put_together(self._begun.pop(text.id), at))
         begun = self._begun.setdefault(text.id, _Begun(int(text.severity), at))
         if text.chunk < MOST_CHUNKS:
             begun.parts[text.chunk] = text.text
         if len(text.text) < TEXT_SIZE:
             begun.last = min(text.chunk, MOST_CHUNKS)
-        return self.completed(at)
+        return given_up + self.completed(at)
+
+    def _is_double(self, text: Text, at: float) -> bool:
+        """Tell whether a chunk belongs to a text that is done."""
+        done, begun = self._done.get(text.id, (-math.inf, None))
+        return begun is not None and at - done < FORGET and begun.may_have(text)
 
     def completed(self, at: float) -> list[StatusText]:
         """Return the texts that are whole, or have waited long enough ``at`` a time [s]."""
         if not self._begun:
             return []
         over = [number for number, begun in self._begun.items() if _is_whole(begun) or at - begun.at > REST_TIMEOUT_S]
-        texts = [_put_together(self._begun.pop(number), at) for number in over]
+        texts = []
         for number in over:
             self._done.pop(number, None)
-            self._done[number] = at
+            self._done[number] = at, self._begun.pop(number)
+            texts.append(_put_together(self._done[number][1], at))
         while len(self._done) > DONE:
             self._done.popitem(last=False)
         return texts

@@ -223,6 +223,26 @@ def test_a_number_is_used_again_for_another_text_later(ground):
     assert texts(ground) == [LONG, LONG]
 
 
+@pytest.mark.parametrize("heard", [(0, 1, 2), (0, 1), (0,)])
+def test_a_payload_that_has_just_started_anew_uses_numbers_again_for_other_texts(ground, heard):
+    ground.say(status(100.0), v.Heartbeat(v.Health.ACTIVE, 2))
+    frames = ground.frames(*chunks(v.Severity.WARNING, LONG, 9))
+    ground.hear([frames[index] for index in heard])
+    ground.at = 1.5
+    other = LONG.replace("abc", "xyz")
+    ground.say(v.Heartbeat(v.Health.BOOT, 0), status(0.1), *chunks(v.Severity.WARNING, other, 9))
+    assert texts(ground) == ["".join(LONG[50 * i : 50 * i + 50] for i in heard) + " ..." * (len(heard) < 3), other]
+
+
+def test_a_doubled_end_of_a_text_beyond_all_measure_begins_no_other(ground):
+    ground.say(status(0.0))
+    frames = ground.frames(*chunks(v.Severity.WARNING, "x" * 1060, 9))
+    ground.hear([*frames, frames[-1]])
+    ground.at = 2.5
+    ground.say(status(2.5))
+    assert len(texts(ground)) == 1
+
+
 def test_no_flood_of_beginnings_fills_the_memory(ground):
     ground.say(status(0.0))
     for number in range(1, 1000):
