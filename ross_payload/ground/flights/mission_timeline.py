@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from ross_payload.ground.model.decoder_state import is_late
 from ross_payload.ground.model.payload_state import Moment
 from ross_payload.ground.model.stream_rows import lasting
 from ross_protocols.mavlink.component_id import ComponentId
@@ -94,7 +95,7 @@ class MissionTimeline:
         match value:
             case Information():
                 self.information = value
-            case Status():
+            case Status() if not is_late(self.status, value):
                 self.status = value
                 self._stay(value.state, at)
                 self._explored(value.state, value.k, at, value.rotation)

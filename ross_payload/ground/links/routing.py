@@ -10,13 +10,13 @@ from ross_payload.transport.ports import Peer
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import ross
-from ross_protocols.mavlink.tunnel import unwrapped
-from ross_protocols.mavlink.values import Status
+from ross_protocols.mavlink.tunnel import OURS, unwrapped
 
 MAX_SENDERS, MAX_ROUTES = 256, 8  # that are remembered; routes of one sender
 FRESH_S = 3.0  # [s] since a route brought something, when another one still does
-REMEMBERED = 32  # statuses of one route
-MIN_STATUSES = 3  # of each of two routes, before they are compared
+REMEMBERED = 256  # time stamps of one route
+MIN_STAMPS = 3  # of each of two routes, before they are compared
+MIN_TOGETHER_S = 3.0  # [s] for which both bring some; what a payload says of its health has a new one every second
 TWIN_WINDOW_S = 8.0  # within which these came
 
 
@@ -32,7 +32,7 @@ class _Trace:
     """What a route has brought of one sender."""
 
     last: float  # [s]
-    times: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=REMEMBERED))  # [s], time_usec
+    times: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=REMEMBERED))  # [s], [us]
 
 
 class RoutingTable:
@@ -50,11 +50,11 @@ class RoutingTable:
             traces[route] = _Trace(now)
         trace = traces[route]
         trace.last = now
-        others = [other for at, other in traces.items() if at != route and at.link == route.link]
-        status = _status(packet) if others else None
-        if status is None:
+        stamp = _stamp(packet)
+        if stamp is None:
             return False
-        trace.times.append((now, status.time_usec))
+        trace.times.append((now, stamp))
+        others = [other for at, other in traces.items() if at != route and at.link == route.link]
         return any(_strange(trace, other, now) for other in others)
 
     def to(self, who: ComponentId, now: float, message: Any) -> list[Route]:
@@ -91,19 +91,21 @@ def may_repeat(message: Any) -> bool:
     return message.command == ross.MAV_CMD_ROSS_STOP or getattr(message, "confirmation", 0) > 0
 
 
-def _status(packet: Packet) -> Status | None:
+def _stamp(packet: Packet) -> int | None:
+    """Return the time of the payload that a message of ours bears [us]; None: it bears none."""
     told = unwrapped(packet)
-    value = None if told is None or told.name != "ROSS_STATUS" else told.value
-    return value if isinstance(value, Status) else None
+    return None if told is None or not told.name.startswith(OURS) else getattr(told.message, "time_usec", None)
 
 
 def _strange(one: _Trace, other: _Trace, now: float) -> bool:
-    """Tell whether two routes bring statuses at once and never the same: one payload on both would repeat itself.
+    """Tell whether two routes bring messages at once and never the same: one payload on both would repeat itself.
 
-    A payload that has started anew speaks from another port: then the one route begins where the other ends.
+    Its statuses need not be the same, as each link has its own rates; what it says of its health once a second is. A
+    payload that has started anew speaks from another port: then the one route begins where the other ends.
     """
-    if not one.times or not other.times:
+    mine, theirs = ([each for each in trace.times if each[0] >= now - TWIN_WINDOW_S] for trace in (one, other))
+    if not mine or not theirs or {usec for _, usec in mine} & {usec for _, usec in theirs}:
         return False
-    begin = max(one.times[0][0], other.times[0][0], now - TWIN_WINDOW_S)
-    mine, theirs = ({usec for at, usec in trace.times if at >= begin} for trace in (one, other))
-    return min(len(mine), len(theirs)) >= MIN_STATUSES and not mine & theirs
+    begin, end = max(mine[0][0], theirs[0][0]), min(mine[-1][0], theirs[-1][0])
+    counts = [sum(begin <= at <= end for at, _ in times) for times in (mine, theirs)]
+    return min(counts) >= MIN_STAMPS and end - begin >= MIN_TOGETHER_S

@@ -7,6 +7,7 @@ from collections.abc import Hashable, Iterable
 from copy import deepcopy
 from dataclasses import dataclass, field
 
+from ross_payload.ground.model.state_reducer import LATE_US
 from ross_payload.ground.model.status_text import Texts
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
@@ -100,6 +101,23 @@ class DecoderState:
     def is_twin(self, at: float) -> bool:
         """Whether time went back so often that two must be speaking."""
         return len(self.backs) == TWIN_TIMES and at - self.backs[0] < TWIN_SPAN_S
+
+
+def is_late(before: Status | None, status: Status) -> bool:
+    """Tell whether a status was said before another one that came before it: it was on its way for longer.
+
+    Then it is behind by both clocks alike, unless the audio stood still. After a restart one of them goes on, or both
+    are behind by more: a computer is not switched on again within `LATE_US` of its start.
+
+    >>> at = [Status(round(time * 1e6), time - 50.0, state=1, earth=True) for time in (100.0, 97.5, 60.0)]
+    >>> is_late(at[0], at[1]), is_late(at[1], at[0]), is_late(at[0], at[2])
+    (True, False, False)
+    """
+    if before is None or before.time_unix != status.time_unix:
+        return False
+    stamped = before.time_usec - status.time_usec
+    heard = before.mission_time - status.mission_time
+    return 0 < stamped < LATE_US and -BACKWARD_S <= heard <= stamped / 1e6 + BACKWARD_S
 
 
 def without_listener(senders: Iterable[ComponentId], stations: Iterable[ComponentId]) -> set[ComponentId]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from heapq import nlargest
 from typing import Any
 
-from ross_payload.ground.model.decoder_state import PRESENCE_S, TWIN_SPAN_S, DecoderState, Presence, Senders
+from ross_payload.ground.model.decoder_state import PRESENCE_S, TWIN_SPAN_S, DecoderState, Presence, Senders, is_late
 from ross_payload.ground.model.payload_state import PayloadState, twins
 from ross_payload.ground.model.state_reducer import flawed, is_sane, learn, restarted, with_computer, with_text
 from ross_protocols.mavlink.codec import Packet
@@ -151,6 +151,8 @@ class Fleet:
         if isinstance(value, Text):
             for text in decoder.texts.on_chunk(value, at):
                 known = with_text(known, text)
+            return replace(known, last=at)
+        if isinstance(value, Status) and is_late(decoder.status, value):
             return replace(known, last=at)
         return learn(self._since(known, value, at), value, at)
 

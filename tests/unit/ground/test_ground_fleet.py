@@ -136,6 +136,23 @@ def test_a_frame_that_comes_late_is_no_new_start(ground):
     assert ground.known.boots == 1
 
 
+def test_the_same_payload_over_a_slower_link_is_neither_a_twin_nor_a_new_start_nor_news(ground):
+    for step in range(100):
+        ground.at = step / 5
+        ground.say(status(100 + ground.at), sender="udp")
+        if ground.at > 2.5:
+            ground.say(status(97.5 + ground.at, state=0), sender="satellite")
+        assert (ground.known.status.mission_time, ground.known.status.state) == (100 + ground.at, 2)
+    assert (ground.known.boots, ground.known.twin, ground.known.flaws) == (1, False, ())
+
+
+def test_a_frame_that_was_overtaken_by_the_end_of_a_mission_begins_no_other(ground):
+    ground.say(status(100.0, state=0), status(101.0), status(160.0), status(160.9, state=7), status(160.8))
+    ground.say(status(161.0, state=7))
+    assert ground.view["mission"]["elapsed"] == pytest.approx(59.9)
+    assert [each["state"] for each in ground.view["history"]][-2:] == ["explore_turn", "done"]
+
+
 def test_two_payloads_of_one_id_on_one_wire_are_noticed_and_named(ground):
     for step in range(40):
         ground.at = step / 10

@@ -1,6 +1,7 @@
 """A ground station: who it is, which way it speaks, what it counts, and when two payloads share one id."""
 
 import contextlib
+import math
 import time
 from collections.abc import Iterator
 from typing import Any
@@ -19,6 +20,7 @@ from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common, ross
 from ross_protocols.mavlink.signing import timestamp_of
 from ross_protocols.mavlink.tunnel import Wrapper
+from ross_protocols.mavlink.values import Audio
 from station_bench import AUDIO, BEAT, Far, status
 from waiting import wait_for_async
 
@@ -241,6 +243,24 @@ async def test_one_payload_on_two_ways_is_no_twin(ports: tuple[int, int]) -> Non
             for number in range(20):
                 await going.say(*[(far, 100 + number / 2) for far in (direct, routed)[: 1 + number % 2]])
             assert not going.station.fleet.payloads[WHO].twin
+
+
+async def test_a_payload_whose_two_ways_have_rates_and_delays_of_their_own_is_no_twin(ports: tuple[int, int]) -> None:
+    with Far(ports[0]) as quick, Far(ports[0]) as slow:
+        async with life(ports[0]) as going:
+            for number in range(36):
+                now = 100 + number / 2
+                await going.say((quick, now), *([(slow, now - 5.2)] if number >= 12 else []))
+                if number % 2 == 0:
+                    quick.say(Audio(round(now * 1e6)))
+                    going.said += 1
+                if number % 3 == 0 and number >= 12:
+                    slow.say(Audio(math.floor(now - 5.2) * 1_000_000))
+                    going.said += 1
+            known = going.station.fleet.payloads[WHO]
+            assert (known.twin, known.boots, known.flaws) == (False, 1, ())
+            assert known.status is not None
+            assert known.status.mission_time == now
 
 
 async def test_a_payload_that_starts_anew_from_another_port_is_no_twin(ports: tuple[int, int]) -> None:

@@ -113,6 +113,14 @@ def test_k_is_told_over_time_and_silence_is(told):
     assert payload["states"][0]["duration"] == 9.0
 
 
+def test_a_status_that_was_overtaken_is_no_other_state(told):
+    one = Encoder(1, 191)
+    said = [(0.0, 3, 0.0), (1.0, 6, 1.0), (1.1, 3, 0.9), (2.0, 6, 2.0)]
+    frames = [(at, one.encode(Status(round(time * 1e6), time, state, True))) for at, state, time in said]
+    (payload,) = told(*frames)["payloads"]
+    assert [each["state"] for each in payload["states"]] == ["explore_listen", "run"]
+
+
 def test_two_explorations_keep_their_own_sources(told):
     one = Encoder(1, 191)
 
