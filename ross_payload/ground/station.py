@@ -107,7 +107,10 @@ class Station:
         return [link.state(now) for link in self._links]
 
     def subscribe(self, call: Call) -> Callable[[], None]:
-        """Call ``call`` with every packet as it came, and its time [s]; return what ends that."""
+        """Call ``call`` with every packet as it came, and its time [s]; return what ends that.
+
+        Answers and texts that come on several ways are given once.
+        """
         self._calls.append(call)
         return lambda: self._calls.remove(call)
 
@@ -169,10 +172,13 @@ class Station:
         who = packet.sender
         if self.log is not None:
             self.log.add(self._unix(), packet.frame, number)
-        self.fleet.on_packet(packet, at, way=(number, peer))
-        if self._routes.note(who, Route(number, peer), packet, at):
+        route = Route(number, peer)
+        twin = self._routes.note(who, route, packet, at)
+        copied = self._routes.is_copy(who, route, packet, at)
+        self.fleet.on_packet(packet, at, way=route, copied=copied)
+        if twin:
             self.fleet.twin(who, at)
-        for call in tuple(self._calls):
+        for call in tuple(self._calls if not copied else ()):
             call(packet, at)
 
     async def _go(self) -> None:

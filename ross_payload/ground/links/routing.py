@@ -15,6 +15,8 @@ from ross_protocols.mavlink.tunnel import OURS, unwrapped
 MAX_SENDERS, MAX_ROUTES = 256, 8  # that are remembered; routes of one sender
 FRESH_S = 3.0  # [s] since a route brought something, when another one still does
 REMEMBERED = 256  # time stamps of one route
+ANSWERS = ("COMMAND_ACK", "PARAM_ERROR", "PARAM_VALUE", "STATUSTEXT")  # messages that a payload sends on every link
+COPY_S = 10.0  # [s] by which one of them is late at most, where it comes a second time
 MIN_STAMPS = 3  # of each of two routes, before they are compared
 MIN_TOGETHER_S = 3.0  # [s] for which both bring some; what a payload says of its health has a new one every second
 TWIN_WINDOW_S = 8.0  # within which these came
@@ -33,6 +35,17 @@ class _Trace:
 
     last: float  # [s]
     times: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=REMEMBERED))  # [s], [us]
+    answers: OrderedDict[bytes, list[float]] = field(default_factory=OrderedDict)  # when [s], the latest to come last
+
+    def count(self, answer: bytes, now: float) -> int:
+        """Return how often an answer has come lately."""
+        return sum(now - at < COPY_S for at in self.answers.get(answer, ()))
+
+    def note_answer(self, answer: bytes, now: float) -> None:
+        """Note that an answer comes, and forget old ones."""
+        self.answers[answer] = [at for at in self.answers.pop(answer, ()) if now - at < COPY_S] + [now]
+        while now - next(iter(self.answers.values()))[-1] >= COPY_S:
+            self.answers.popitem(last=False)
 
 
 class RoutingTable:
@@ -56,6 +69,18 @@ class RoutingTable:
         trace.times.append((now, stamp))
         others = [other for at, other in traces.items() if at != route and at.link == route.link]
         return any(_strange(trace, other, now) for other in others)
+
+    def is_copy(self, who: ComponentId, route: Route, packet: Packet, now: float) -> bool:
+        """Take an answer or a text of a sender that was noted; tell whether it came on another route, as often.
+
+        It may be seconds late there: an acknowledgement would be taken for one to a later order.
+        """
+        if packet.name not in ANSWERS:
+            return False
+        traces, answer = self._traces[who], packet.name.encode() + bytes(packet.message.get_payload())
+        traces[route].note_answer(answer, now)
+        others = [traces[other].count(answer, now) for other in self._good(who, now) if other != route]
+        return traces[route].count(answer, now) <= max(others, default=0)
 
     def to(self, who: ComponentId, now: float, message: Any) -> list[Route]:
         """Return the routes for a message, one of them unless it may be heard twice; empty: nobody knows any."""

@@ -66,8 +66,11 @@ class Fleet:
         other._senders = self._senders.copy()
         return other
 
-    def on_packet(self, packet: Packet, at: float, way: Hashable = None) -> None:
-        """Take a packet that came ``at`` a time [s] on a ``way``, a link and a peer; None: not told, as in a log."""
+    def on_packet(self, packet: Packet, at: float, way: Hashable = None, *, copied: bool = False) -> None:
+        """Take a packet that came ``at`` a time [s] on a ``way``, a link and a peer; None: not told, as in a log.
+
+        What a ``copied`` one says has come on another way before; it only counts.
+        """
         self._senders.meet(packet, way)
         if packet.component_id == AUTOPILOT:
             place = position_of(packet.message)
@@ -81,7 +84,7 @@ class Fleet:
         if known is None or self._decoders[who].frame == packet.frame:
             return  # nobody that we know, or a frame that the network doubled
         known = self._counted(known, packet, way, tunnelled=inner is not None)
-        self.payloads[who] = self._with_content(known, content, at)
+        self.payloads[who] = replace(known, last=at) if copied else self._with_content(known, content, at)
 
     def twin(self, who: ComponentId, at: float) -> None:
         """Learn that two payloads speak as ``who``; it is forgotten when nothing has shown it for a while."""

@@ -10,17 +10,19 @@ import pytest
 
 from clocks import LeapingClock
 from ports import free_port
+from ross_payload.ground.client.command_protocol import CommandProtocol
+from ross_payload.ground.client.command_types import Turn
 from ross_payload.ground.links.link import MAX_PEERS
 from ross_payload.ground.links.routing import MAX_SENDERS
 from ross_payload.ground.model.fleet import MOST_PAYLOADS
 from ross_payload.ground.station import Station
 from ross_protocols.mavlink.codec import Encoder, Packet
-from ross_protocols.mavlink.commands import long_message
+from ross_protocols.mavlink.commands import Result, acknowledgement, long_message
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common, ross
 from ross_protocols.mavlink.signing import timestamp_of
 from ross_protocols.mavlink.tunnel import Wrapper
-from ross_protocols.mavlink.values import Audio
+from ross_protocols.mavlink.values import Audio, Severity, Text
 from station_bench import AUDIO, BEAT, Far, status
 from waiting import wait_for_async
 
@@ -195,6 +197,78 @@ async def test_when_a_way_falls_silent_the_other_one_is_taken(two: tuple[Far, Fa
         station.send(order(TURN), WHO)
         await wait_for_async(lambda: orders(two[1]) == [TURN])
         assert orders(two[0]) == []
+
+
+# ---------------------------------------------------------------------------------------------------- copies
+
+SAID = Text(Severity.INFO, "RoSS: mission over: heading reached")
+
+
+async def test_what_a_payload_says_on_two_links_is_said_once_however_late_one_of_them_is(
+    two: tuple[Far, Far], ports: tuple[int, int]
+) -> None:
+    clock, quick, slow = LeapingClock(), *two
+    async with Station(urls(ports), now=clock.now) as station:
+        heard: list[Packet] = []
+        station.subscribe(lambda packet, at: heard.append(packet))
+
+        async def say(far: Far, *said: Any) -> None:
+            frames = sum(link.frames for link in station.links())
+            far.say(*said)
+            await wait_for_async(lambda: sum(link.frames for link in station.links()) == frames + len(said))
+
+        def texts() -> int:
+            return len(station.fleet.payloads[WHO].texts)
+
+        await say(quick, AUDIO, SAID)
+        await say(slow, AUDIO)
+        clock.ahead += 2.5
+        await say(quick, AUDIO)
+        await say(slow, SAID)
+        assert texts() == 1
+        await say(quick, SAID, SAID)
+        assert texts() == 3, "on one link it is said as often as it comes"
+        clock.ahead += 2.5
+        await say(slow, SAID, SAID, SAID)
+        assert texts() == 4, "the quick one has lost one"
+        assert [packet.name for packet in heard].count("STATUSTEXT") == 4
+        clock.ahead += 5.0
+        await say(slow, SAID)
+        assert texts() == 5, "the quick one is silent"
+
+
+async def test_an_answer_to_an_order_before_that_comes_late_on_another_link_is_none_to_this_one(
+    two: tuple[Far, Far], ports: tuple[int, int]
+) -> None:
+    clock, quick, slow = LeapingClock(), *two
+    async with Station(urls(ports), now=clock.now) as station:
+        orders = CommandProtocol(station.send, station.system_id, station.component_id)
+        station.subscribe(orders.on_packet)
+
+        async def answer(far: Far, *results: Result) -> str:
+            """Answer a turn, and tell what has become of it."""
+            frames = sum(link.frames for link in station.links())
+            us = ComponentId(station.system_id, station.component_id)
+            far.say(*(acknowledgement(ross.MAV_CMD_ROSS_TURN, result, target=us) for result in results))
+            await wait_for_async(lambda: sum(link.frames for link in station.links()) == frames + len(results))
+            orders.tick(clock.now())
+            return orders.doing[-1].state
+
+        quick.say(AUDIO)
+        slow.say(AUDIO)
+        await wait_for_async(lambda: sum(link.frames for link in station.links()) == 2)
+        orders.tick(clock.now())
+        orders.order(WHO, Turn(20.0))
+        assert await answer(quick, Result.IN_PROGRESS) == "acknowledged"
+        clock.ahead += 1.0
+        assert await answer(quick, Result.ACCEPTED) == "done"
+        orders.order(WHO, Turn(-20.0))
+        assert await answer(quick, Result.TEMPORARILY_REJECTED) == "sent", "it may be one to the first turn"
+        clock.ahead += 0.95
+        assert await answer(slow, Result.IN_PROGRESS) == "sent"
+        clock.ahead += 1.0
+        assert await answer(slow, Result.ACCEPTED) == "sent"
+        assert await answer(quick, Result.TEMPORARILY_REJECTED) == "refused"
 
 
 # ---------------------------------------------------------------------------------------------------- twins
