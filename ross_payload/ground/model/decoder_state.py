@@ -7,6 +7,7 @@ from collections.abc import Hashable, Iterable
 from copy import deepcopy
 from dataclasses import dataclass, field
 
+from ross_payload.ground.model.payload_state import mission_time_between
 from ross_payload.ground.model.state_reducer import LATE_US
 from ross_payload.ground.model.status_text import Texts
 from ross_protocols.mavlink.codec import Packet
@@ -93,7 +94,7 @@ class DecoderState:
         if before is None:
             return False
         stamped = (before.time_usec - status.time_usec) / 1e6 if before.time_unix == status.time_unix else 0.0
-        back = max(stamped, before.mission_time - status.mission_time) > BACKWARD_S
+        back = max(stamped, mission_time_between(status.mission_time, before.mission_time)) > BACKWARD_S
         if back:
             self.backs.append(at)
         return back
@@ -116,7 +117,7 @@ def is_late(before: Status | None, status: Status) -> bool:
     if before is None or before.time_unix != status.time_unix:
         return False
     stamped = before.time_usec - status.time_usec
-    heard = before.mission_time - status.mission_time
+    heard = mission_time_between(status.mission_time, before.mission_time)
     return 0 < stamped < LATE_US and -BACKWARD_S <= heard <= stamped / 1e6 + BACKWARD_S
 
 

@@ -6,12 +6,16 @@ Times ``at`` are seconds on the listener's clock: monotonic while live, the log'
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from ross_protocols.mavlink import values
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.computer import Computer
 from ross_protocols.mavlink.stream_values import StreamReport
+
+MISSION_TIME_WRAP_S = 2**32 / 1e3  # [s] after which mission time begins at 0 again: 32 bits of milliseconds, 49.7 days
+DAY_S = 86400.0
 
 
 def twins(who: ComponentId) -> str:
@@ -125,4 +129,19 @@ def elapsed(known: PayloadState) -> float | None:
     """Return the audio that the latest mission received [s]; None: there was none, or its beginning is not known."""
     if known.status is None or known.began is None:
         return None
-    return (known.status.mission_time if known.ended is None else known.ended) - known.began
+    now = known.status.mission_time if known.ended is None else known.ended
+    return (now - known.began + DAY_S) % MISSION_TIME_WRAP_S - DAY_S  # a little less than 0 stays that
+
+
+def mission_time_between(before: float, after: float) -> float:
+    """Return the mission time [s] that went by from one status to another; less than 0: it went back.
+
+    What is back by a whole round, but for a day, has gone on.
+
+    >>> mission_time_between(100.0, 1.0), round(mission_time_between(MISSION_TIME_WRAP_S - 1.0, 0.5), 3)
+    (-99.0, 1.5)
+    """
+    between = after - before
+    if abs(between) < MISSION_TIME_WRAP_S - DAY_S:
+        return between
+    return between - math.copysign(MISSION_TIME_WRAP_S, between)

@@ -136,6 +136,18 @@ def test_a_frame_that_comes_late_is_no_new_start(ground):
     assert ground.known.boots == 1
 
 
+def test_mission_time_that_begins_anew_after_its_32_bits_is_no_new_start(ground):
+    full = 2**32 / 1e3
+    ground.say(
+        status(full - 40, state=0), status(full - 30), status(full - 0.5), status(full + 0.5), status(full - 0.1)
+    )
+    ground.say(status(full + 60), status(full + 61, state=7))
+    assert (ground.known.boots, ground.view["mission"]["time"]) == (1, 61.0)
+    assert ground.view["mission"]["elapsed"] == pytest.approx(91.0)
+    ground.say(replace(status(full + 90), mission_time=1.0))
+    assert ground.known.boots == 2
+
+
 def test_the_same_payload_over_a_slower_link_is_neither_a_twin_nor_a_new_start_nor_news(ground):
     for step in range(100):
         ground.at = step / 5
