@@ -33,17 +33,25 @@ class Bookmark:
 def marks_of(
     index: Index,
     payloads: tuple[ComponentId, ...],
+    duration: float,
     packets: Callable[[NDArray[np.int64]], Iterator[tuple[float, Packet]]],
 ) -> tuple[Bookmark, ...]:
-    """Return the first `MOST` moments of all payloads, in order; ``packets`` reads frames by number."""
+    """Return the first `MOST` moments of all payloads, in order; ``packets`` reads frames by number.
+
+    ``duration`` is that of the flight [s].
+    """
     which = np.concatenate([_telling(index, who) for who in payloads] or [np.empty(0, np.int64)])
     fleet, marks = Fleet(), list[Bookmark]()
     for at, packet in packets(np.sort(which)[:MOST]):
         who = packet.sender
         before = fleet.payloads.get(who)
         fleet.on_packet(packet, at)
-        marks += [Bookmark(at, words, who) for words in _news(before, fleet.payloads.get(who))]
-    return tuple(marks)
+        marks += _news(before, fleet.payloads.get(who), at)
+    known = dict(fleet.payloads)
+    fleet.end(duration)
+    for who, before in known.items():
+        marks += _news(before, fleet.payloads[who], duration)
+    return tuple(sorted(marks, key=lambda mark: mark.at))
 
 
 def _telling(index: Index, who: ComponentId) -> NDArray[np.int64]:
@@ -54,12 +62,13 @@ def _telling(index: Index, who: ComponentId) -> NDArray[np.int64]:
     return np.concatenate([changes, np.flatnonzero(mine & (index.message == TEXT))])
 
 
-def _news(before: PayloadState | None, after: PayloadState | None) -> list[str]:
-    """Tell what is new of a payload, in words."""
+def _news(before: PayloadState | None, after: PayloadState | None, at: float) -> list[Bookmark]:
+    """Tell what is new of a payload at a time [s], in words; of a text that was not whole it is seen later."""
     if after is None:
         return []
     was = before.status if before else None
     news = []
     if after.status is not None and (was is None or was.state != after.status.state):
-        news.append(str(word("ROSS_STATE", after.status.state)).replace("_", " "))
-    return [*news, *(text.text.removeprefix(PREFIX) for text in after.texts_since(before))]
+        news.append(Bookmark(at, str(word("ROSS_STATE", after.status.state)).replace("_", " "), after.who))
+    texts = after.texts_since(before)
+    return [*news, *(Bookmark(text.at, text.text.removeprefix(PREFIX), after.who) for text in texts)]

@@ -121,6 +121,7 @@ def export(flight: Flight, payloads: tuple[ComponentId, ...], path: Path) -> Non
             for at, packet in flight.packets(relevant_frames(flight, payloads)):
                 sound.until(at)
                 exported.on_packet(packet, at)
+            exported.end(flight.duration)
             sound.until(math.inf)
             when = round((flight.start or 0.0) * 1e9)
             writer.attach(
@@ -196,6 +197,13 @@ class _Export:
         if after is not None and who in self._payloads:
             self._wire(who, packet, now)
             self._news(before, after, now)
+
+    def end(self, at: float) -> None:
+        """Learn that nothing comes after a time [s]: texts whose rest was lost are told as they are."""
+        known = dict(self._fleet.payloads)
+        self._fleet.end(at)
+        for who in sorted(known.keys() & set(self._payloads)):
+            self._news(known[who], self._fleet.payloads[who], round((self._start + at) * 1e6) * 1000)
 
     def _wire(self, who: ComponentId, packet: Packet, now: int) -> None:
         content = unwrapped(packet)

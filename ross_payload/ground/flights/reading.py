@@ -94,7 +94,7 @@ def open_flight(path: Path) -> Flight:
     at, start, steps = seconds_of(index.usec)
     payloads = _payloads(file, index, at)
     manifest, odd = _manifest(log)
-    marks = marks_of(index, payloads, lambda which: _packets(file, index, at, which))
+    marks = marks_of(index, payloads, float(at[-1]), lambda which: _packets(file, index, at, which))
     odd += [] if unpacked is None else unpacked.notes
     notes = (*_damaged(damage), *_strange(index, payloads), *_clock(steps), *odd)
     name = log.parent.resolve().name if log != path or log.name == LOGS[0] else log.name

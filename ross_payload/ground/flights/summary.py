@@ -38,6 +38,11 @@ class FlightContent:
         self._fleet = Fleet()  # puts texts together
         for at, packet in flight.packets(_worth_reading(flight, payloads)):
             self._on_packet(packet, at)
+        before = dict(self._fleet.payloads)
+        self._fleet.end(flight.duration)
+        for who, known in self._fleet.payloads.items():
+            self.texts[who] += known.texts_since(before[who])
+            self.texts[who].sort(key=lambda text: text.at)
 
     def _on_packet(self, packet: Packet, at: float) -> None:
         self.commands.on_packet(packet, at, self.payloads)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from heapq import nlargest
@@ -91,6 +92,12 @@ class Fleet:
         if who in self.payloads:
             self._decoders[who].twin_at = at
             self.payloads[who] = self._doubled(self.payloads[who])
+
+    def end(self, at: float) -> None:
+        """Learn that nothing more comes ``at`` a time [s]: texts wait no longer for the rest of them."""
+        for who, decoder in self._decoders.items():
+            for text in decoder.texts.completed(math.inf):
+                self.payloads[who] = with_text(self.payloads[who], replace(text, at=min(text.at, at)))
 
     def hidden(self, now: float, most: int = 8) -> tuple[int, list[ComponentId]]:
         """Return how many were heard within `GONE_S` and have no place, and the steadiest of them."""

@@ -71,15 +71,17 @@ class Texts:
         return begun is not None and at - done < FORGET and begun.may_have(text)
 
     def completed(self, at: float) -> list[StatusText]:
-        """Return the texts that are whole, or have waited long enough ``at`` a time [s]."""
+        """Return the texts that are whole, or have waited long enough ``at`` a time [s], which may be infinite."""
         if not self._begun:
             return []
         over = [number for number, begun in self._begun.items() if _is_whole(begun) or at - begun.at > REST_TIMEOUT_S]
         texts = []
         for number in over:
             self._done.pop(number, None)
-            self._done[number] = at, self._begun.pop(number)
-            texts.append(_put_together(self._done[number][1], at))
+            begun = self._begun.pop(number)
+            end = min(at, begun.at + REST_TIMEOUT_S)  # though it may be noticed later, when something comes
+            self._done[number] = end, begun
+            texts.append(_put_together(begun, end))
         while len(self._done) > DONE:
             self._done.popitem(last=False)
         return texts

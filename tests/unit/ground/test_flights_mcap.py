@@ -16,7 +16,7 @@ from flight_logs import UNIX, full_tick, record, vehicle_frames
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.frame_stats import tallies
 from ross_payload.ground.flights.reading import open_flight
-from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.codec import Encoder, chunks
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import MESSAGES
 from ross_protocols.mavlink.tunnel import Wrapper
@@ -199,6 +199,13 @@ def test_texts_are_logs_with_their_weight(flown, tmp_path):
     _, messages, _ = exported(flown([Status(0, 0.0, 3, True), *said]), tmp_path / "a.mcap")
     logs = decoded(messages, "/1-191/log")
     assert [(each[2], each[3]) for each in logs] == [(2, b"RoSS: quiet"), (4, b"RoSS: loud")]
+
+
+def test_a_text_that_was_not_heard_to_its_end_is_told_all_the_same(flown, tmp_path):
+    flight = flown([Status(0, 0.0, 3, earth=True), *chunks(Severity.WARNING, "x" * 60, 9)[:1]])
+    _, messages, _ = exported(flight, tmp_path / "out.mcap")
+    assert [fields[3].decode() for fields in decoded(messages, "/1-191/log")] == ["x" * 50 + " ..."]
+    assert [(mark.at, mark.words) for mark in flight.marks][1:] == [(0.1, "x" * 50 + " ...")]
 
 
 def test_the_vehicle_has_a_place_and_a_heading_clockwise_from_north(flown, tmp_path):

@@ -30,6 +30,7 @@ from ross_protocols.mavlink.values import (
     Severity,
     Source,
     Status,
+    Text,
 )
 from ross_sim.sitl.command import command as sitl
 from short_mission import PAIR
@@ -234,6 +235,17 @@ def test_long_texts_are_put_together(told):
     parts = [one.encode(part) for part in chunks(Severity.WARNING, text, 9)]
     (payload,) = told((0.0, one.encode(Status(0, 0.0, 0, True))), *((1.0, part) for part in parts))["payloads"]
     assert [(each["severity"], each["text"]) for each in payload["events"]] == [(4, text.removeprefix("RoSS: "))]
+
+
+@pytest.mark.parametrize("rest", [(), (30.0,)])
+def test_a_text_that_was_not_heard_to_its_end_is_told_at_its_time_whatever_comes_after_it(told, rest):
+    one, text = Encoder(1, 191), "RoSS: " + "word " * 20 + "end"
+    parts = [one.encode(part) for part in chunks(Severity.WARNING, text, 9)]
+    said = [(at, one.encode(Status(round(at * 1e6), at, 0, True))) for at in (0.0, 20.0, 40.0)]
+    later = [(at, one.encode(Text(Severity.INFO, "RoSS: later"))) for at in rest]
+    (payload,) = told(said[0], (1.0, parts[0]), (1.1, parts[1]), said[1], *later, said[2])["payloads"]
+    assert [each["at"] for each in payload["events"]] == [3.0, *rest]
+    assert payload["events"][0]["text"] == text.removeprefix("RoSS: ")[:94] + " ..."
 
 
 def test_lost_frames_and_rates_are_counted(told):
