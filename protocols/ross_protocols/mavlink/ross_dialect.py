@@ -2266,7 +2266,7 @@ class MAVLink(object):
         every change.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
-        mission_time              : Duration of audio processed since the mission began. [ms] (type:uint32_t)
+        mission_time              : Duration of audio processed since the payload began to listen, over all missions. Wraps after 49.7 days. [ms] (type:uint32_t)
         state                     : What the mission is doing. (type:uint8_t, values:ROSS_STATE)
         outcome                   : How the mission ended. UINT8_MAX: it has not. (type:uint8_t, values:ROSS_OUTCOME)
         frame                     : What heading and heading_goal are relative to. (type:uint8_t, values:ROSS_FRAME)
@@ -2293,7 +2293,7 @@ class MAVLink(object):
         every change.
 
         time_usec                 : Timestamp (time since boot, or UNIX time). [us] (type:uint64_t)
-        mission_time              : Duration of audio processed since the mission began. [ms] (type:uint32_t)
+        mission_time              : Duration of audio processed since the payload began to listen, over all missions. Wraps after 49.7 days. [ms] (type:uint32_t)
         state                     : What the mission is doing. (type:uint8_t, values:ROSS_STATE)
         outcome                   : How the mission ended. UINT8_MAX: it has not. (type:uint8_t, values:ROSS_OUTCOME)
         frame                     : What heading and heading_goal are relative to. (type:uint8_t, values:ROSS_FRAME)
