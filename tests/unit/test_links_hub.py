@@ -164,7 +164,15 @@ def test_who_has_left_is_no_peer() -> None:
 
 @pytest.mark.parametrize(
     ("sequences", "lost"),
-    [([0, 1, 2], 0), ([0, 3, 4], 2), ([254, 255, 0, 1], 0), ([254, 1], 2), ([5, 5, 5], 0), ([5, 7, 6, 8], 1)],
+    [
+        ([0, 1, 2], 0),
+        ([0, 3, 4], 2),
+        ([254, 255, 0, 1], 0),
+        ([254, 1], 2),
+        ([5, 5, 5], 0),
+        ([5, 7, 6, 8], 0),
+        ([5, 7, 7, 8], 1),
+    ],
 )
 def test_missing_frames_are_counted(sequences: list[int], lost: int) -> None:
     bench = Bench(GROUND)

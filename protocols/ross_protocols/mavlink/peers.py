@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
@@ -11,6 +12,7 @@ from ross_protocols.mavlink.gimbal_messages import COMPONENTS as GIMBALS
 
 MOST = 64  # that are remembered: random ids cannot fill the memory
 PRESENT = 10.0  # [s] since somebody was heard
+REMEMBERED = 2**64 - 1  # bits: so many numbers back it is known which frames have come
 
 
 def is_routed(senders: Iterable[ComponentId]) -> bool:
@@ -27,11 +29,39 @@ def is_routed(senders: Iterable[ComponentId]) -> bool:
     return len(systems) > 1 or sum(component not in GIMBALS for _, component in senders) > 1
 
 
+@dataclass(slots=True)
+class SequenceNumbers:
+    """The latest sequence number of a sender, and which of those just before it have come.
+
+    >>> numbers = SequenceNumbers(254)
+    >>> [numbers.note(number) for number in (1, 0, 0, 2, 255, 253)]  # 255 and 0 are missing, 0 and 255 are late
+    [2, -1, 0, 0, -1, 0]
+    """
+
+    latest: int
+    _came: int = -1  # bit i: i before the latest; those before the first are not missed
+
+    def ahead(self, number: int) -> int:
+        """Return how far a number is ahead of the latest, 0 to 255; a late one is far ahead."""
+        return (number - self.latest) % 256
+
+    def note(self, number: int) -> int:
+        """Return how many more frames are missing than before one with this number; -1: it was one of these."""
+        ahead = self.ahead(number)
+        if 0 < ahead < 128:
+            self.latest, self._came = number, (self._came << ahead | 1) & REMEMBERED
+            return ahead - 1
+        bit = 1 << (-ahead % 256)
+        late = bit & REMEMBERED & ~self._came
+        self._came |= late
+        return -1 if late else 0
+
+
 class Peers:
     """The latest senders of a link, and how many of their frames are missing."""
 
     def __init__(self) -> None:
-        self._latest: OrderedDict[ComponentId, tuple[int, float]] = OrderedDict()  # sequence, time; the latest is last
+        self._latest: OrderedDict[ComponentId, tuple[SequenceNumbers, float]] = OrderedDict()  # and time; latest last
         self._missing = 0
         self._routed = False
 
@@ -41,17 +71,14 @@ class Peers:
         return None if self._routed and self._missing else self._missing
 
     def meet(self, packet: Packet, now: float) -> None:
-        """Note a packet; a jump ahead of less than half a round of sequence numbers is a loss, one back is not."""
+        """Note a packet; a jump ahead of less than half a round of sequence numbers is a loss, until they come late."""
         sender = packet.sender
         before = self._latest.pop(sender, None)
-        sequence = packet.sequence
-        if before is not None:
-            ahead = (packet.sequence - before[0]) % 256
-            self._missing += ahead - 1 if 0 < ahead < 128 else 0
-            sequence = packet.sequence if ahead < 128 else before[0]
-        elif len(self._latest) >= MOST:
+        if before is None and len(self._latest) >= MOST:
             self._latest.popitem(last=False)
-        self._latest[sender] = sequence, now
+        numbers = SequenceNumbers(packet.sequence) if before is None else before[0]
+        self._missing += numbers.note(packet.sequence)
+        self._latest[sender] = numbers, now
         if before is None:
             self._routed = self._routed or is_routed(self._latest)
 

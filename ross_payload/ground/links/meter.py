@@ -52,7 +52,7 @@ class Meter:
         before = self._before(now.at - LOSS_SPAN)
         if now.lost is None or before.lost is None:
             return None
-        lost, frames = now.lost - before.lost, now.frames - before.frames
+        lost, frames = max(now.lost - before.lost, 0), now.frames - before.frames  # some of before may have come late
         return lost / (lost + frames) if lost else 0.0
 
     def _before(self, time: float) -> Reading:

@@ -13,7 +13,7 @@ from ross_payload.ground.model.status_text import Texts
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
-from ross_protocols.mavlink.peers import is_routed
+from ross_protocols.mavlink.peers import SequenceNumbers, is_routed
 from ross_protocols.mavlink.values import Status
 
 NEAR = 32  # frames missing in a row are lost; more are the numbers of another link, or a link that was down
@@ -61,7 +61,7 @@ class DecoderState:
     """One component's."""
 
     frame: bytes = b""  # its latest
-    heads: list[int] = field(default_factory=list)  # latest sequence number of every way, the latest way last
+    heads: list[SequenceNumbers] = field(default_factory=list)  # of every way, the latest way last
     status: Status | None = None  # its latest
     backs: deque[float] = field(default_factory=lambda: deque(maxlen=TWIN_TIMES))  # when its time went back [s]
     twin_at: float = -1e9  # when two senders of its id were noticed last [s]
@@ -73,20 +73,22 @@ class DecoderState:
         return deepcopy(self)
 
     def missing(self, sequence: int) -> int:
-        """Return how many frames are missing before one with this number.
+        """Return how many more frames are missing than before one with this number; -1: it was one of these.
 
         >>> decoder = DecoderState()
-        >>> [decoder.missing(number) for number in (254, 255, 1, 100, 2, 103)]
-        [0, 0, 1, 0, 0, 2]
+        >>> [decoder.missing(number) for number in (254, 255, 1, 100, 2, 103, 101, 101)]
+        [0, 0, 1, 0, 0, 2, -1, 0]
         """
-        ahead = [(sequence - head) % 256 for head in self.heads]
-        if any(256 - gap < NEAR or not gap for gap in ahead):
-            return 0  # late, or doubled
-        gap = min(ahead, default=256)
-        if gap <= NEAR:
-            del self.heads[ahead.index(gap)]
-        self.heads = [*self.heads, sequence][-WAYS:]
-        return gap - 1 if gap <= NEAR else 0
+        behind = min(self.heads, key=lambda head: -head.ahead(sequence) % 256, default=None)
+        if behind is not None and -behind.ahead(sequence) % 256 < NEAR:
+            return behind.note(sequence)  # late, or doubled
+        head = min(self.heads, key=lambda head: head.ahead(sequence), default=None)
+        if head is None or head.ahead(sequence) > NEAR:
+            self.heads = [*self.heads, SequenceNumbers(sequence)][-WAYS:]
+            return 0
+        self.heads.remove(head)
+        self.heads.append(head)
+        return head.note(sequence)
 
     def went_back(self, status: Status, at: float) -> bool:
         """Whether a status is of a time before the latest one: its time stamp, or the audio that was heard."""

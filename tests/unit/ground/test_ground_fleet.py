@@ -11,6 +11,7 @@ from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.codec import chunks, message_of
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.peers import Peers
 from ross_protocols.mavlink.tunnel import Wrapper
 
 # ------------------------------------------------------------------------------------------- who is there
@@ -195,6 +196,19 @@ def test_frames_that_are_missing_are_counted(ground):
     frames = ground.frames(*(status(step / 10) for step in range(100)))
     ground.hear(frames[:10] + frames[13:50] + frames[51:])
     assert (ground.known.counts.frames, ground.known.counts.lost) == (96, 4)
+
+
+def test_of_frames_that_overtake_each_other_and_come_twice_those_are_lost_that_never_come(ground):
+    frames = dict(enumerate(ground.frames(*(status(step / 10) for step in range(400)))))
+    del frames[20], frames[41], frames[300]
+    arrivals = sorted(
+        [(place + 11 * (place % 4), place) for place in frames] + [(place + 9, place) for place in frames]
+    )
+    peers = Peers()
+    for _, place in arrivals:
+        ground.hear([frames[place]])
+        peers.meet(ground.decoder.feed(frames[place])[0], now=0.0)
+    assert (ground.known.counts.lost, peers.lost) == (3, 3)
 
 
 def test_a_payload_that_is_heard_on_two_links_loses_nothing(ground):
