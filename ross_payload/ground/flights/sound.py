@@ -2,14 +2,16 @@
 
 A session folder has ``audio.wav`` and, where voices were recorded, FLAC files that go with it sample by sample. The
 results of a simulation have ``mixture.wav``, from its start on, and ``target.wav``, from the moment that the report
-tells. Samples have the payload's time; the log has that of whoever wrote it, and ROSS_STATUS tells both. What was
-unpacked from an MCAP file has WAV files, and tells when they begin on the clock of the file.
+tells. Samples have the time of the payload's computer; the log has that of whoever wrote it, and ROSS_STATUS tells
+both, or how much audio has come where it tells UNIX time instead. What was unpacked from an MCAP file has WAV files,
+and tells when they begin on the clock of the file.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +20,7 @@ import soundfile
 
 from ross_payload.bounded_files import read_bounded
 from ross_payload.ground.flights.reading import LOGS, UNPACKED, Flight, unpacked_sound
+from ross_payload.ground.model.payload_state import mission_time_between
 from ross_protocols.mavlink.dialect import MESSAGES, common
 from ross_protocols.mavlink.tunnel import unwrapped
 from ross_protocols.mavlink.values import Status
@@ -45,6 +48,25 @@ class Track:
     channels: int
 
 
+@dataclass(frozen=True, slots=True)
+class _Instant:
+    """When a sample was heard."""
+
+    clock: float  # of the payload's computer, since its start [s]
+    audio: float  # that had come before, as the mission time of ROSS_STATUS [s]
+
+
+@dataclass(frozen=True, slots=True)
+class _Begins:
+    """When tracks begin."""
+
+    first: _Instant
+    after: dict[str, float]  # how long after that [s], by track
+
+
+START = _Instant(0.0, 0.0)
+
+
 def sound_files(log: Path) -> dict[str, Path]:
     """Return the files with sound that go with a log, or with a folder that has one, by the names of their tracks."""
     log = next((log / name for name in (*LOGS, UNPACKED) if (log / name).is_file()), log) if log.is_dir() else log
@@ -68,13 +90,11 @@ def tracks_of(flight: Flight) -> tuple[Track, ...]:
     if unpacked is not None:
         origin = flight.start or 0.0 if unpacked.origin is None else unpacked.origin
         return tuple(_tracks(files, {name: begin - origin for name, begin in unpacked.begins.items()}))
-    ahead = _clock_difference(flight) if files else None
-    if ahead is None:
+    begins = _begins(flight.path, files) if files else None
+    first = None if begins is None else _in_flight(flight, begins.first)
+    if begins is None or first is None:
         return ()
-    begins = _begins(flight.path)
-    if flight.path.name == SESSION and MIXTURE in begins:
-        begins = dict.fromkeys(files, begins[MIXTURE])
-    return tuple(_tracks(files, {name: begin + ahead for name, begin in begins.items()}))
+    return tuple(_tracks(files, {name: first + after for name, after in begins.after.items()}))
 
 
 def _tracks(files: Mapping[str, Path], begins: Mapping[str, float]) -> Iterator[Track]:
@@ -88,28 +108,53 @@ def _tracks(files: Mapping[str, Path], begins: Mapping[str, float]) -> Iterator[
             yield Track(name, path, begins[name], about.duration, about.samplerate, about.channels)
 
 
-def _clock_difference(flight: Flight) -> float | None:
-    """Return the time in the flight less that on the payload's clock [s]; None: the log does not tell.
+def _in_flight(flight: Flight, instant: _Instant) -> float | None:
+    """Return when in the flight something was heard [s]; None: the log does not tell.
 
-    What was underway for the shortest time tells it best.
+    What was underway for the shortest time tells it best; by the audio that has come, its way through the payload's
+    computer is in it.
     """
     which = np.flatnonzero(np.isin(flight.index.message, _CARRIERS))[:LOOKED_AT]
-    differences = []
+    by_clock, by_audio = [], []
     for at, packet in flight.packets(which):
         content = unwrapped(packet) if packet.sender in flight.payloads else None
-        if content is not None and content.name == STATUS and isinstance(content.value, Status):
-            differences.append(at - content.value.time_usec / 1e6)
-    return min(differences, default=None)
+        status = None if content is None else content.value
+        if not isinstance(status, Status):
+            continue
+        if not status.time_unix:
+            by_clock.append(at - (status.time_usec / 1e6 - instant.clock))
+        elif (audio := mission_time_between(instant.audio, status.mission_time)) > 0:
+            by_audio.append(at - audio)
+    return min(by_clock or by_audio, default=None)
 
 
-def _begins(log: Path) -> dict[str, float]:
-    """Return when the tracks begin on the payload's clock [s], as far as the files beside a log tell."""
+def _begins(log: Path, files: Mapping[str, Path]) -> _Begins | None:
+    """Return when the tracks begin, as far as the files beside a log tell; None: they do not."""
     try:
         if log.name == SESSION:
-            with (log.parent / "inputs.jsonl").open("rb") as lines:
-                return {MIXTURE: float(json.loads(lines.readline(LONGEST_LINE))["time"])}
-        begins = {MIXTURE: 0.0}
+            return _Begins(_first_input(log.parent, _rate(files)), dict.fromkeys(files, 0.0))
         report = json.loads(read_bounded(log.parent / "report.json", LARGEST_REPORT))
-        return begins | {TARGET: float(report["heard_from_s"])}
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return {MIXTURE: 0.0} if log.name == SIMULATION else {}
+        return _Begins(START, {MIXTURE: 0.0, TARGET: float(report["heard_from_s"])})
+    except (OSError, ValueError, KeyError, TypeError, RecursionError, OverflowError):
+        return _Begins(START, {MIXTURE: 0.0}) if log.name == SIMULATION else None
+
+
+def _first_input(folder: Path, rate: int) -> _Instant:
+    """Return when the recording of a session begins, which is sampled at a rate [Hz]."""
+    with (folder / "inputs.jsonl").open("rb") as lines:
+        values = json.loads(lines.readline(LONGEST_LINE))
+    return _Instant(float(values["time"]), values["index"] / rate)
+
+
+def _rate(files: Mapping[str, Path]) -> int:
+    """Return the sampling rate that all tracks of a session have [Hz].
+
+    Raises
+    ------
+    ValueError
+        When none can be read.
+    """
+    for path in files.values():
+        with suppress(OSError, RuntimeError):  # soundfile's own errors are RuntimeErrors
+            return int(soundfile.info(path).samplerate)
+    raise ValueError("no track can be read")

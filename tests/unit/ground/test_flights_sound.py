@@ -36,6 +36,17 @@ def test_tracks_of_a_session_have_the_payloads_clock(folder):
     assert CLOCK_AT_START > 1.0
 
 
+def test_tracks_of_a_session_whose_telemetry_has_unix_time_begin_where_they_were_heard(tmp_path):
+    tracks = {each.name: each for each in tracks_of(open_flight(session(tmp_path / "0001", unix=True)))}
+    assert tracks["mixture"].begin == tracks["target"].begin == pytest.approx(min(LATE_S) - FIRST_FRAME, abs=1e-3)
+
+
+def test_the_voices_of_a_session_are_heard_though_its_mixture_is_damaged(tmp_path):
+    session(tmp_path / "0001", unix=True)
+    (tmp_path / "0001" / "audio.wav").write_bytes(b"\0" * 100)
+    assert [each.name for each in tracks_of(open_flight(tmp_path / "0001"))] == ["target"]
+
+
 @pytest.mark.parametrize("damage", ["report.json", "mixture.wav", "target.wav"])
 def test_what_is_damaged_is_left_out(folder, damage):
     (folder / damage).write_bytes(b"\0" * 100)
