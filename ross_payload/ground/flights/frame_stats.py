@@ -56,9 +56,8 @@ def tallies(flight: Flight) -> dict[ComponentId, FrameStats]:
 
 def _stations(flight: Flight) -> set[ComponentId]:
     """Return the ground stations of a log, by the first heartbeat of every component."""
-    beats = np.flatnonzero(flight.index.message == common.MAVLINK_MSG_ID_HEARTBEAT)
-    firsts = beats[np.unique(flight.index.sender[beats], return_index=True)[1]]
-    packets = (packet for _, packet in flight.packets(firsts) if packet.message.type == common.MAV_TYPE_GCS)
+    beats = flight.packets(flight.index.first_heartbeats())
+    packets = (packet for _, packet in beats if packet.message.type == common.MAV_TYPE_GCS)
     return {packet.sender for packet in packets}
 
 

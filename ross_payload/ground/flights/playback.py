@@ -87,6 +87,12 @@ class Playback:
 
 
 def relevant_frames(flight: Flight, payloads: tuple[ComponentId, ...]) -> NDArray[np.int64]:
-    """Return the numbers of the frames that change what is known of payloads, and of where vehicles are."""
+    """Return the numbers of the frames that change what is known of payloads, and of where vehicles are.
+
+    The first frame and the first heartbeat of everybody who is no payload tell whether a router passes on what these
+    say.
+    """
     index = flight.index
-    return np.flatnonzero(index.sent_by(*payloads) | (index.message == POSITION))
+    mine = np.flatnonzero(index.sent_by(*payloads) | (index.message == POSITION))
+    firsts = np.concatenate([np.unique(index.sender, return_index=True)[1], index.first_heartbeats()])
+    return np.union1d(mine, firsts[~index.sent_by(*flight.payloads)[firsts]])

@@ -54,6 +54,11 @@ class Index:
         """Whether one of these components sent a frame, for each."""
         return np.isin(self.sender, [256 * who.system + who.component for who in senders])
 
+    def first_heartbeats(self) -> NDArray[np.int64]:
+        """Return the numbers of the first HEARTBEAT of every component, in ascending order of these."""
+        beats = np.flatnonzero(self.message == common.MAVLINK_MSG_ID_HEARTBEAT)
+        return beats[np.unique(self.sender[beats], return_index=True)[1]]
+
 
 @dataclass(slots=True)
 class Damage:

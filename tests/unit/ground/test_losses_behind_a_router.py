@@ -13,6 +13,7 @@ from fleet_ear import status
 from flight_logs import UNIX, record
 from ross_payload.ground.flights.command import command
 from ross_payload.ground.flights.frame_stats import tallies
+from ross_payload.ground.flights.playback import Playback
 from ross_payload.ground.mavproxy.shell import Shell
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.health import condition
@@ -147,6 +148,20 @@ def test_a_log_behind_an_autopilot_tells_no_loss(tmp_path, opened, mine):
     assert "loss unknown: they came through a router" in told
     told = json.loads(CliRunner().invoke(command, [str(path), "--json"]).output)
     assert told["payloads"][0]["lost"] is None
+
+
+@pytest.mark.parametrize(("other", "lost"), [(AUTOPILOT, None), (STATION, 50)], ids=["behind an autopilot", "direct"])
+def test_a_log_that_is_played_tells_the_same_loss_also_of_an_autopilot_that_does_not_know_where_it_is(
+    opened, other, lost
+):
+    voice, payload = Encoder(*other), Encoder(*PAYLOAD)
+    beats = [voice.encode(AUTOPILOT_BEAT if other == AUTOPILOT else STATION_BEAT) for _ in range(10)]
+    frames = [payload.encode(status(step / 20)) for step in range(200)]
+    kept = [frame for step, frame in enumerate(frames) if step % 4 != 1]
+    flight = opened(b"".join(record(UNIX + 50_000 * step, frame) for step, frame in enumerate([*beats, *kept])))
+    playback = Playback(flight)
+    playback.seek(flight.duration)
+    assert playback.fleet.payloads[WHO].counts.lost == tallies(flight)[WHO].lost == lost
 
 
 def test_a_log_of_a_direct_link_tells_its_loss_though_the_station_is_in_it(tmp_path, opened):
