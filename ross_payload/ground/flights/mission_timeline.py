@@ -7,6 +7,7 @@ from typing import Any
 
 from ross_payload.ground.model.decoder_state import is_late
 from ross_payload.ground.model.payload_state import Moment
+from ross_payload.ground.model.state_reducer import SOURCES, is_overtaken
 from ross_payload.ground.model.stream_rows import lasting
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common, ross
@@ -96,6 +97,8 @@ class MissionTimeline:
             case Information():
                 self.information = value
             case Status() if not is_late(self.status, value):
+                if self.status is not None and value.time_usec < self.status.time_usec:
+                    self.sources = {}  # it has started anew
                 self.status = value
                 self._stay(value.state, at)
                 self._explored(value.state, value.k, at, value.rotation)
@@ -156,6 +159,8 @@ class MissionTimeline:
             running.k.append((at, k))
 
     def _source(self, source: Source) -> None:
+        if is_overtaken(self.sources.values(), source, SOURCES):
+            return
         if any(each.estimate != source.estimate for each in self.sources.values()):
             self.sources = {}
         self.sources[source.source] = source

@@ -6,7 +6,7 @@ A source is told by its track: its index may change from one estimate to the nex
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -26,6 +26,7 @@ MOST_STREAMS = 255
 MOMENT_SPACING_S = 1.0  # [s] between two moments when nothing changes
 JUST_BEGUN_S = 5.0  # [s] of mission time within which a payload that was not seen to rest has just begun
 LATE_US = 10_000_000  # [us] before the newest of its kind, at most: a frame that was on its way for long
+REPEATED_US = 86_400_000_000  # [us] before it: what is repeated keeps the time at which it was found
 RESTING = (ross.ROSS_STATE_IDLE, ross.ROSS_STATE_DONE, ross.ROSS_STATE_STOPPED, ross.ROSS_STATE_FAULT)
 MIRROR, AZIMUTHS = "ross_", "ross_az"
 MOST_POINTS = 60  # of a track
@@ -147,7 +148,7 @@ def _telling(before: Moment, now: Moment) -> bool:
 
 def _source(known: PayloadState, source: values.Source, at: float) -> PayloadState:
     before = known.sources
-    if _is_late(before, source, SOURCES):
+    if is_overtaken(before, source, SOURCES):
         return known
     known = replace(known, announced=source.count)
     if not before or before[0].estimate != source.estimate:
@@ -171,7 +172,7 @@ def _of_this_estimate(known: PayloadState, source: values.Source) -> PayloadStat
 def _listed(known: PayloadState, item: Any, kept: IndexedList) -> PayloadState:
     """Put an item among those of its generation; those of another one are forgotten."""
     before = getattr(known, kept.attribute)
-    if _is_late(before, item, kept):
+    if is_overtaken(before, item, kept):
         return known
     generation = getattr(item, kept.generation)
     same = [each for each in before if getattr(each, kept.generation) == generation]
@@ -181,10 +182,10 @@ def _listed(known: PayloadState, item: Any, kept: IndexedList) -> PayloadState:
     return replace(known, **changes)
 
 
-def _is_late(before: Sequence[Any], item: Any, kept: IndexedList) -> bool:
-    """Whether an item of an older generation comes after one of a newer."""
+def is_overtaken(before: Iterable[Any], item: Any, kept: IndexedList) -> bool:
+    """Tell whether an item of an older generation comes after some of a newer one."""
     other = [each for each in before if getattr(each, kept.generation) != getattr(item, kept.generation)]
-    return any(0 < each.time_usec - item.time_usec < LATE_US for each in other)
+    return any(0 < each.time_usec - item.time_usec < REPEATED_US for each in other)
 
 
 def _azimuths(numbers: Sequence[float]) -> tuple[float, ...]:

@@ -70,6 +70,19 @@ def test_a_source_of_an_older_estimate_that_comes_late_changes_nothing(ground):
     assert len(ground.view["sources"]) == 2
 
 
+def test_a_repeated_source_of_an_old_estimate_that_was_overtaken_by_a_new_one_changes_nothing(ground):
+    ground.say(status(100.0), *(source(index, index, 5, time=20.0) for index in range(3)))
+    *new, repeated = ground.frames(source(0, 0.3, 6, count=1, time=99.0), source(1, 1.0, 5, time=20.0))
+    ground.hear([*new, repeated])
+    assert [(entry.estimate, entry.azimuth) for entry in ground.known.sources] == [(6, pytest.approx(0.3))]
+
+
+def test_after_a_new_start_estimates_are_older_and_count(ground):
+    ground.say(status(5000.0), source(0, 0.3, 6, count=1, time=4990.0))
+    ground.say(status(70.0), source(0, 1.3, 1, count=1, time=65.0))
+    assert [entry.azimuth for entry in ground.known.sources] == [pytest.approx(1.3)]
+
+
 def test_when_nobody_is_heard_any_longer_no_source_is_shown(ground):
     ground.say(status(1.0, k=3), *(source(index, index) for index in range(3)))
     ground.say(status(2.0, k=0))

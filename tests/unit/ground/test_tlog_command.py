@@ -140,6 +140,23 @@ def test_two_explorations_keep_their_own_sources(told):
     assert first["sources"][0]["score"] == 4.5
 
 
+def test_the_sources_are_those_of_the_latest_estimate_though_an_older_one_was_overtaken(told):
+    one = Encoder(1, 191)
+
+    def at(time, state=6):
+        return time, one.encode(Status(round(time * 1e6), time, state, True, k=1))
+
+    def estimate(heard, number, azimuth, found):
+        return heard, one.encode(Source(round(found * 1e6), number, 0, 1, azimuth, 0.05, 0.9, 1.0, True, True))
+
+    overtaken = (at(500.0), estimate(501.0, 2, -1.0, 500.0), estimate(501.1, 1, -0.5, 400.0))
+    (payload,) = told(*overtaken)["payloads"]
+    assert [each["azimuth"] for each in payload["sources"]] == [pytest.approx(math.degrees(1.0), abs=1e-4)]
+    again = [(600.0, at(60.0)[1]), estimate(601.0, 1, -0.2, 60.0)]
+    (payload,) = told(*overtaken, *again)["payloads"]
+    assert [each["azimuth"] for each in payload["sources"]] == [pytest.approx(math.degrees(0.2), abs=1e-4)]
+
+
 def test_what_became_of_a_candidate_is_its_last_word(told):
     one = Encoder(1, 191)
     states = (CandidateState.PLANNED, CandidateState.TURNING, CandidateState.REJECTED, CandidateState.REJECTED)
