@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ross_protocols.mavlink.field_converters import wrap
 
 EQUATOR, FLATNESS = 6378137.0, 0.00669437999014  # WGS84: semi-major axis [m], first eccentricity squared
+MIN_RANGE_M = 0.1  # [m] at which bearings cross: two payloads of one vehicle have one place, but for rounding
 MIN_SIGMAS_APART = 2.0  # sigmas by which two bearings must differ to cross anywhere
 
 Matrix = tuple[tuple[float, float], tuple[float, float]]
@@ -34,7 +35,7 @@ class Crossing:
 
 
 def cross_two(one: BearingLine, other: BearingLine) -> Crossing | None:
-    """Return where two lines cross; None: behind one of them, or nobody can tell where, so parallel are they.
+    """Return where two lines cross; None: behind or at the place of one of them, or so parallel that nobody can tell.
 
     With u a line's direction, n its normal and r the range, an error of azimuth and of place moves the line by r times
     the one plus the other; the covariance is the inverse of N = (n1, n2) applied to both sides of these variances.
@@ -50,7 +51,7 @@ def cross_two(one: BearingLine, other: BearingLine) -> Crossing | None:
     c1, c2 = n1e * one.east + n1n * one.north, n2e * other.east + n2n * other.north
     east, north = (c1 * n2n - c2 * n1n) / apart, (c2 * n1e - c1 * n2e) / apart
     r1, r2 = _ahead(one, east, north), _ahead(other, east, north)
-    if r1 <= 0 or r2 <= 0:
+    if min(r1, r2) < MIN_RANGE_M:
         return None
     v1, v2 = _variance(one, r1) / apart**2, _variance(other, r2) / apart**2
     ee, nn = v1 * n2n**2 + v2 * n1n**2, v1 * n2e**2 + v2 * n1e**2

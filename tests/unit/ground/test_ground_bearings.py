@@ -228,6 +228,21 @@ def test_one_payload_alone_fixes_nothing():
     assert cross(seen(*THREE, whos=(A,))) == []
 
 
+def test_two_payloads_of_one_vehicle_fix_nothing_at_its_place_though_it_is_rounded():
+    vehicle = {B: (-60.3, 33.4), C: (-60.3, 33.4)}
+    bearings = [towards(A, (0.0, 500.0))]
+    for azimuth in range(-180, 180, 20):
+        far = (-60.3 - 200 * math.sin(math.radians(azimuth)), 33.4 + 200 * math.cos(math.radians(azimuth)))
+        bearings += [towards(who, far, azimuth // 20 + 9, places=vehicle) for who in vehicle]
+    crossed = [fix.payloads for group in range(0, 18, 3) for fix in cross(_some(bearings, range(group, group + 3)))]
+    assert (B, C) not in crossed
+
+
+def _some(bearings, sources):
+    """Those of payload A, and some sources of the others."""
+    return [each for each in bearings if each.who == A or each.source in sources]
+
+
 def test_two_payloads_at_one_place_fix_nothing():
     assert cross(seen((30, 80), (50, 20), whos=(A, B), places={A: (0, 0), B: (0, 0)})) == []
 
