@@ -62,7 +62,7 @@ def strip(view: View) -> list[Text]:
     score, criterion = mission["score"], mission.get("criterion")
     wanted = "" if score is None or criterion is None else f" {'>' if score > criterion else '<='} {criterion:.2f}"
     parts = [
-        f"{number(mission.get('time'), '.1f', ' s')}{expected}",
+        f"{number(mission.get('elapsed'), '.1f', ' s')}{expected}",
         f"orientation {number(mission.get('rotation'), 'd')} of {number(mission.get('rotation_max'), 'd')}",
         f"K {number(mission['k'], 'd')}{' final' if mission.get('certain') else ''}",
         f"target {number(mission['target'], 'd')}",

@@ -8,10 +8,12 @@ from rich.cells import cell_len
 from rich.console import Console, Group
 
 from emulated_scene import full
+from fleet_ear import status
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_types import Stop, Turn
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.view import view
+from ross_payload.ground.terminal import blocks
 from ross_payload.ground.terminal.blocks import clean
 from ross_payload.ground.terminal.polar_plot import polar_plot
 from ross_payload.ground.terminal.screen import ScreenState, compose
@@ -240,3 +242,10 @@ def test_nothing_heard_shows_the_advice():
     assert "no telemetry yet" in seen
     assert seen.count("this") == 40
     assert len(lines) == 20
+
+
+def test_the_time_is_that_of_the_latest_mission_and_none_without_one(ground):
+    ground.say(status(3600.0, state=0))
+    assert blocks.strip(ground.view)[0].plain.startswith("-  orientation")
+    ground.say(status(3610.0), status(3622.5))
+    assert blocks.strip(ground.view)[0].plain.startswith("12.5 s  orientation")
