@@ -18,6 +18,7 @@ from ross_protocols.mavlink.values import Status
 
 NEAR = 32  # frames missing in a row are lost; more are the numbers of another link, or a link that was down
 WAYS = 4  # links that one component may be heard on, each with numbers of its own
+LATE_S = LATE_US / 1e6
 BACKWARD_S = 1.0  # [s] by which a payload's time goes back when it has started anew
 TWIN_SPAN_S, TWIN_TIMES = 10.0, 3  # so many steps back within so many seconds [s] are two payloads, not restarts
 PRESENCE_S = 60  # seconds for which it is remembered in which of them somebody was heard
@@ -63,6 +64,9 @@ class DecoderState:
     frame: bytes = b""  # its latest
     heads: list[SequenceNumbers] = field(default_factory=list)  # of every way, the latest way last
     status: Status | None = None  # its latest
+    status_at: float = -1e9  # when that came [s]
+    way: Hashable = None  # on which it came, or the start that was noticed
+    started_at: float = -1e9  # when it was noticed that it has started anew [s]
     backs: deque[float] = field(default_factory=lambda: deque(maxlen=TWIN_TIMES))  # when its time went back [s]
     twin_at: float = -1e9  # when two senders of its id were noticed last [s]
     texts: Texts = field(default_factory=Texts)
@@ -90,9 +94,30 @@ class DecoderState:
         self.heads.append(head)
         return head.note(sequence)
 
-    def went_back(self, status: Status, at: float) -> bool:
+    def is_late(self, status: Status, at: float, way: Hashable) -> bool:
+        """Tell whether a status was said before the latest one: it was on its way for longer.
+
+        On another way, which may be slower, that is also so where time stamps do not tell, as the clock was just set,
+        and of what was said before a start that was just noticed.
+        """
+        if is_late(self.status, status):
+            return True
+        if way == self.way:
+            return False
+        starting = at - self.started_at < LATE_S
+        if self.status is None:
+            return starting
+        ahead = mission_time_between(self.status.mission_time, status.mission_time)
+        undated = status.time_unix != self.status.time_unix or status.time_usec == self.status.time_usec
+        return (undated and -LATE_S < ahead < 0) or (starting and ahead > BACKWARD_S + at - self.status_at)
+
+    def note_start(self, at: float, way: Hashable) -> None:
+        """Note that it has started anew, and forget its status."""
+        self.status, self.started_at, self.way = None, at, way
+
+    def went_back(self, status: Status, at: float, way: Hashable) -> bool:
         """Whether a status is of a time before the latest one: its time stamp, or the audio that was heard."""
-        before, self.status = self.status, status
+        before, self.status, self.status_at, self.way = self.status, status, at, way
         if before is None:
             return False
         stamped = (before.time_usec - status.time_usec) / 1e6 if before.time_unix == status.time_unix else 0.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from heapq import nlargest
 from typing import Any
 
-from ross_payload.ground.model.decoder_state import PRESENCE_S, TWIN_SPAN_S, DecoderState, Presence, Senders, is_late
+from ross_payload.ground.model.decoder_state import LATE_S, PRESENCE_S, TWIN_SPAN_S, DecoderState, Presence, Senders
 from ross_payload.ground.model.payload_state import PayloadState, twins
 from ross_payload.ground.model.state_reducer import flawed, is_sane, learn, restarted, with_computer, with_text
 from ross_protocols.mavlink.codec import Packet
@@ -85,7 +85,7 @@ class Fleet:
         if known is None or self._decoders[who].frame == packet.frame:
             return  # nobody that we know, or a frame that the network doubled
         known = self._counted(known, packet, way, tunnelled=inner is not None)
-        self.payloads[who] = replace(known, last=at) if copied else self._with_content(known, content, at)
+        self.payloads[who] = replace(known, last=at) if copied else self._with_content(known, content, at, way)
 
     def twin(self, who: ComponentId, at: float) -> None:
         """Learn that two payloads speak as ``who``; it is forgotten when nothing has shown it for a while."""
@@ -147,7 +147,7 @@ class Fleet:
         )
         return replace(known, counts=counts, tunnelled=tunnelled)
 
-    def _with_content(self, known: PayloadState, content: Packet, at: float) -> PayloadState:
+    def _with_content(self, known: PayloadState, content: Packet, at: float, way: Hashable) -> PayloadState:
         decoder = self._decoders[known.who]
         for text in decoder.texts.completed(at):
             known = with_text(known, text)
@@ -162,26 +162,34 @@ class Fleet:
             for text in decoder.texts.on_chunk(value, at):
                 known = with_text(known, text)
             return replace(known, last=at)
-        if isinstance(value, Status) and is_late(decoder.status, value):
+        if isinstance(value, Status) and decoder.is_late(value, at, way):
             return replace(known, last=at)
-        return learn(self._since(known, value, at), value, at)
+        return learn(self._since(known, value, at, way), value, at)
 
-    def _since(self, known: PayloadState, value: Any, at: float) -> PayloadState:
+    def _since(self, known: PayloadState, value: Any, at: float, way: Hashable) -> PayloadState:
         """Notice a new start: its heartbeat boots again, or its time goes back. Often back means two of one id."""
         decoder = self._decoders[known.who]
         if isinstance(value, Heartbeat):
-            before = known.heartbeat
-            if value.health is Health.BOOT and before is not None and before.health is not Health.BOOT:
-                decoder.status = None  # its next one is no second start
-                return restarted(known, at)
+            return self._since_beat(known, value, at, way)
         if not isinstance(value, Status):
             return known
-        if not decoder.went_back(value, at):
+        if not decoder.went_back(value, at, way):
             return replace(known, twin=False) if known.twin and at - decoder.twin_at > TWIN_SPAN_S else known
         if decoder.is_twin(at):
             decoder.twin_at = at
             return self._doubled(known)
+        decoder.started_at = at
         return known if known.twin else restarted(known, at)
+
+    def _since_beat(self, known: PayloadState, beat: Heartbeat, at: float, way: Hashable) -> PayloadState:
+        """Notice a new start by a heartbeat; one that was noticed just before is told on a slower way once more."""
+        decoder, before = self._decoders[known.who], known.heartbeat
+        if beat.health is not Health.BOOT or (before is not None and before.health is Health.BOOT):
+            return known
+        if before is None or at - max(decoder.started_at, known.first) < LATE_S:
+            return known
+        decoder.note_start(at, way)  # its next status is no second start
+        return restarted(known, at)
 
     @staticmethod
     def _doubled(known: PayloadState) -> PayloadState:

@@ -159,6 +159,27 @@ def test_the_same_payload_over_a_slower_link_is_neither_a_twin_nor_a_new_start_n
     assert (ground.known.boots, ground.known.twin, ground.known.flaws) == (1, False, ())
 
 
+@pytest.mark.parametrize("lag", [0.6, 2.0, 4.0])
+@pytest.mark.parametrize("event", ["nothing", "clock set", "started anew"])
+def test_on_a_slower_link_a_clock_that_is_set_is_no_new_start_and_a_new_start_is_one(ground, event, lag):
+    arrivals = []
+    for step in range(160):
+        time = step / 4
+        anew = event == "started anew" and time >= 20
+        told = status(1000 + time, mission_time=time - 23 if anew else time + 50)
+        if event == "clock set" and time >= 20:
+            told = replace(told, time_unix=True, time_usec=told.time_usec + 10**15)
+        beat = v.Heartbeat(v.Health.BOOT if anew and time < 24 else v.Health.ACTIVE, 2)
+        if not anew or time >= 23:
+            arrivals += [
+                (time + late, way, said) for way, late in (("udp", 0.0), ("radio", lag)) for said in (told, beat)
+            ]
+    for at, way, said in sorted(arrivals, key=lambda arrival: arrival[0]):
+        for packet in ground.decoder.feed(ground.frames(said, sender=way)[0]):
+            ground.fleet.on_packet(packet, at, way=way)
+    assert (ground.known.boots, ground.known.flaws) == (2 if event == "started anew" else 1, ())
+
+
 def test_a_frame_that_was_overtaken_by_the_end_of_a_mission_begins_no_other(ground):
     ground.say(status(100.0, state=0), status(101.0), status(160.0), status(160.9, state=7), status(160.8))
     ground.say(status(161.0, state=7))
