@@ -167,3 +167,12 @@ def test_rows_of_a_table_are_drawn_where_they_belong(run):
         return [...place.querySelectorAll("table > tbody > tr > td")].map((each) => each.textContent);"""
     )
     assert shown == ["1", "2"]
+
+
+def test_messages_that_came_late_make_no_loss_less_than_none(run):
+    loss = run(
+        """const { rates } = await import("/assets/parts/health.js");
+        const counts = [[0, 100, 5], [5, 150, 3]].map(([now, frames, lost]) => ({ now, frames, bytes: 0, lost }));
+        return rates(counts).loss;"""
+    )
+    assert loss == 0

@@ -70,7 +70,7 @@ export function rates(counts) {
   const [first, last] = [counts[0], counts.at(-1)];
   const span = first && last ? last.now - first.now : 0;
   if (span < 0.5) return { frames: null, bytes: null, loss: null };
-  const [frames, lost] = [last.frames - first.frames, last.lost - first.lost];
+  const [frames, lost] = [last.frames - first.frames, Math.max(last.lost - first.lost, 0)]; // some came late
   return {
     frames: frames / span,
     bytes: (last.bytes - first.bytes) / span,
