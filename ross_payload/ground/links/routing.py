@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict, deque
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -20,6 +21,7 @@ COPY_S = 10.0  # [s] by which one of them is late at most, where it comes a seco
 MIN_STAMPS = 3  # of each of two routes, before they are compared
 MIN_TOGETHER_S = 3.0  # [s] for which both bring some; what a payload says of its health has a new one every second
 TWIN_WINDOW_S = 8.0  # within which these came
+COMPARED_S = 0.25  # [s] between two comparisons of a route with others: a flood on several costs little
 
 
 class Route(NamedTuple):
@@ -34,6 +36,7 @@ class _Trace:
     """What a route has brought of one sender."""
 
     last: float  # [s]
+    compared: float = -math.inf  # with other routes [s]
     times: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=REMEMBERED))  # [s], [us]
     answers: OrderedDict[bytes, list[float]] = field(default_factory=OrderedDict)  # when [s], the latest to come last
 
@@ -67,6 +70,9 @@ class RoutingTable:
         if stamp is None:
             return False
         trace.times.append((now, stamp))
+        if now - trace.compared < COMPARED_S:
+            return False
+        trace.compared = now
         others = [other for at, other in traces.items() if at != route and at.link == route.link]
         return any(_strange(trace, other, now) for other in others)
 
