@@ -15,8 +15,12 @@ from ross_protocols.mavlink.tunnel import OURS, unwrapped
 
 MAX_SENDERS, MAX_ROUTES = 256, 8  # that are remembered; routes of one sender
 FRESH_S = 3.0  # [s] since a route brought something, when another one still does
-REMEMBERED = 256  # time stamps of one route
+REMEMBERED = 128  # time stamps of one route
 ANSWERS = ("COMMAND_ACK", "PARAM_ERROR", "PARAM_VALUE", "STATUSTEXT")  # messages that a payload sends on every link
+MAX_ANSWERS, MAX_TIMES = (
+    1024,
+    32,
+)  # that are remembered of one route, and how often each came: no flood fills the memory
 COPY_S = 10.0  # [s] by which one of them is late at most, where it comes a second time
 MIN_STAMPS = 3  # of each of two routes, before they are compared
 MIN_TOGETHER_S = 3.0  # [s] for which both bring some; what a payload says of its health has a new one every second
@@ -38,7 +42,7 @@ class _Trace:
     last: float  # [s]
     compared: float = -math.inf  # with other routes [s]
     times: deque[tuple[float, int]] = field(default_factory=lambda: deque(maxlen=REMEMBERED))  # [s], [us]
-    answers: OrderedDict[bytes, list[float]] = field(default_factory=OrderedDict)  # when [s], the latest to come last
+    answers: OrderedDict[bytes, deque[float]] = field(default_factory=OrderedDict)  # when [s], the latest to come last
 
     def count(self, answer: bytes, now: float) -> int:
         """Return how often an answer has come lately."""
@@ -46,8 +50,10 @@ class _Trace:
 
     def note_answer(self, answer: bytes, now: float) -> None:
         """Note that an answer comes, and forget old ones."""
-        self.answers[answer] = [at for at in self.answers.pop(answer, ()) if now - at < COPY_S] + [now]
-        while now - next(iter(self.answers.values()))[-1] >= COPY_S:
+        times = self.answers.pop(answer, None) or deque(maxlen=MAX_TIMES)
+        times.append(now)
+        self.answers[answer] = times
+        while now - next(iter(self.answers.values()))[-1] >= COPY_S or len(self.answers) > MAX_ANSWERS:
             self.answers.popitem(last=False)
 
 

@@ -13,10 +13,10 @@ from ports import free_port
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_types import Turn
 from ross_payload.ground.links.link import MAX_PEERS
-from ross_payload.ground.links.routing import MAX_SENDERS
+from ross_payload.ground.links.routing import MAX_ANSWERS, MAX_SENDERS, MAX_TIMES, Route, RoutingTable
 from ross_payload.ground.model.fleet import MOST_PAYLOADS
 from ross_payload.ground.station import Station
-from ross_protocols.mavlink.codec import Encoder, Packet
+from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
 from ross_protocols.mavlink.commands import Result, acknowledgement, long_message
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common, ross
@@ -235,6 +235,17 @@ async def test_what_a_payload_says_on_two_links_is_said_once_however_late_one_of
         clock.ahead += 5.0
         await say(slow, SAID)
         assert texts() == 5, "the quick one is silent"
+
+
+def test_no_flood_of_texts_fills_the_memory_of_what_was_said() -> None:
+    table, encoder, decoder, route = RoutingTable(), Encoder(1, 191), Decoder(), Route(0, "here")
+    for number in range(3 * MAX_ANSWERS):
+        for text in (Text(Severity.INFO, f"RoSS: {number}"), SAID):
+            (packet,) = decoder.feed(encoder.encode(text))
+            table.note(WHO, route, packet, now=5.0)
+            assert not table.is_copy(WHO, route, packet, now=5.0)
+    (trace,) = table._traces[WHO].values()
+    assert sum(map(len, trace.answers.values())) < MAX_ANSWERS + MAX_TIMES
 
 
 async def test_an_answer_to_an_order_before_that_comes_late_on_another_link_is_none_to_this_one(
