@@ -6,6 +6,7 @@ import math
 from collections import OrderedDict
 from dataclasses import dataclass
 
+from ross_payload.mavlink.component import Way
 from ross_payload.orders import Order
 from ross_protocols.mavlink.commands import Command, Result
 from ross_protocols.mavlink.component_id import ComponentId
@@ -20,38 +21,41 @@ MOST = 256  # commands, and senders, that are remembered: random ids cannot fill
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where a frame came from, and its place among those that its sender has sent on a link."""
+    """Where a frame came from, and its place among those that its sender has sent on a way.
+
+    Ground stations with the same ids, as several have by default, are told apart by their ways: each counts by itself.
+    """
 
     sender: ComponentId
-    link: str
+    way: Way
     place: int
-    lost: int = 0  # how many that its sender has sent before it on the link were lost, or have not arrived yet
+    lost: int = 0  # how many that its sender has sent before it on the way were lost, or have not arrived yet
 
     def not_after(self, other: Origin) -> bool:
         """Tell whether this frame is known to have been sent before another one, or to be the same."""
-        return self.link == other.link and self.place <= other.place
+        return self.way == other.way and self.place <= other.place
 
 
 class FrameCounter:
     """Counts what every sender sends, beyond the 256 sequence numbers of MAVLink.
 
     >>> frames = FrameCounter()
-    >>> [frames.note((255, 190), "udp", sequence, now=0.0).place for sequence in (254, 0, 255, 1)]
+    >>> [frames.note((255, 190), ("udp", None), sequence, now=0.0).place for sequence in (254, 0, 255, 1)]
     [254, 256, 255, 257]
-    >>> frames.note((255, 190), "udp", 0, now=1.0).place
+    >>> frames.note((255, 190), ("udp", None), 0, now=1.0).place
     512
     """
 
     def __init__(self) -> None:
-        self._latest: OrderedDict[tuple[ComponentId, str], _Latest] = OrderedDict()
+        self._latest: OrderedDict[tuple[ComponentId, Way], _Latest] = OrderedDict()
 
-    def note(self, sender: ComponentId, link: str, sequence: int, now: float) -> Origin:
+    def note(self, sender: ComponentId, way: Way, sequence: int, now: float) -> Origin:
         """Return the origin of a frame; less than half a round ahead of the latest it is new, else it comes late.
 
         A script that is run once more, or a computer that has rebooted, counts from 0 again: that is new, too, also
         when its first frames were lost.
         """
-        latest = self._latest.pop((sender, link), None) or _Latest(sequence, now)
+        latest = self._latest.pop((sender, way), None) or _Latest(sequence, now)
         place = latest.place + (sequence - latest.place + 128) % 256 - 128
         if place <= latest.place and now - latest.time > (ANEW if sequence == 0 else LOWER):
             place += 256
@@ -59,20 +63,20 @@ class FrameCounter:
             latest.lost += place - latest.place - 1
         if place > latest.place:
             latest.place, latest.time = place, now
-        self._latest[sender, link] = latest
+        self._latest[sender, way] = latest
         if len(self._latest) > MOST:
             self._latest.popitem(last=False)
-        return Origin(sender, link, place, latest.lost)
+        return Origin(sender, way, place, latest.lost)
 
     def lost(self, origin: Origin) -> int:
-        """Return how many frames of a sender were lost on a link so far."""
-        latest = self._latest.get((origin.sender, origin.link))
+        """Return how many frames of a sender were lost on a way so far."""
+        latest = self._latest.get((origin.sender, origin.way))
         return origin.lost if latest is None else latest.lost
 
 
 @dataclass(slots=True)
 class _Latest:
-    """The frame of a sender on a link with the highest place so far."""
+    """The frame of a sender on a way with the highest place so far."""
 
     place: int
     time: float  # when it arrived [s]
@@ -91,7 +95,7 @@ class Entry:
     order: Order | None = None  # while the mission has it
     due: float = math.inf  # when the sender is told next [s]
     cancelled: bool = False  # somebody has asked to cancel it
-    lost: int | None = None  # frames of its sender that were lost on its link until it ended
+    lost: int | None = None  # frames of its sender that were lost on its way until it ended
 
 
 class RecentCommands:
@@ -148,7 +152,7 @@ class RecentCommands:
             return False
         if going_on:
             return True
-        if origin.link != entry.origin.link:
+        if origin.way != entry.origin.way:
             return age < RESENT
         if command.confirmation <= entry.command.confirmation or origin.not_after(entry.origin):
             return False  # its sender counts from 0 again, and the first were lost

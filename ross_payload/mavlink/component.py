@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
+from ross_payload.transport.ports import Peer
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.commands import CancelRequest, Command, command_of
 from ross_protocols.mavlink.component_id import ComponentId
+
+Way = tuple[str, Peer]  # the URL of a link, and one of its peers
 
 
 @dataclass(frozen=True)
@@ -21,6 +24,12 @@ class Received:
     packet: Packet
     may_order: bool
     refusal: str = ""  # why nobody may at present
+    peer: Peer = None  # of the link, by which it came
+
+    @property
+    def way(self) -> Way:
+        """The link and the peer that it came from: each sender there counts its frames by itself."""
+        return self.link, self.peer
 
     @cached_property
     def request(self) -> Command | CancelRequest | None:

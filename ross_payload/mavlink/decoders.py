@@ -7,11 +7,12 @@ what is left of a bounded number of looks, and what they say beyond it is thrown
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ross_payload.transport.open_port import Server
 from ross_payload.transport.ports import MAX_PEERS, MAX_READ_BYTES, Peer, Transport
 from ross_protocols.mavlink.codec import Decoder, Packet
+from ross_protocols.mavlink.peers import Peers
 
 SILENCE = 0.2  # [s] after which the rest of a frame is not waited for any longer
 LOOKS = 200  # at what may be a frame, in one call: a flood cannot hold up who polls
@@ -22,10 +23,11 @@ Arrival = tuple[Packet, Peer]
 
 
 class PeerDecoder:
-    """One peer's decoder, and when it was heard."""
+    """One peer's decoder, who speaks there, and when it was heard."""
 
     def __init__(self, now: float) -> None:
         self.decoder = Decoder()
+        self.senders = Peers()
         self._latest = now  # [s]
 
     def feed(self, data: bytes, looks: int, now: float) -> list[Packet]:
@@ -52,6 +54,20 @@ class SinglePeer:
         """The only decoder."""
         return [self._entry.decoder]
 
+    @property
+    def senders(self) -> list[Peers]:
+        """Who speaks at the far end."""
+        return [self._entry.senders]
+
+    @property
+    def lost(self) -> int | None:
+        """Frames that were lost; None: nobody can tell."""
+        return self._entry.senders.lost
+
+    def meet(self, packet: Packet, peer: Peer, now: float) -> None:
+        """Note who has sent a packet that is believed."""
+        self._entry.senders.meet(packet, now)
+
     def read(self, now: float) -> Iterator[Arrival]:
         """Give what has arrived; while the decoder is behind, the system keeps the rest."""
         data = b"" if self._entry.decoder.behind else b"".join(self._port.receive())
@@ -71,12 +87,29 @@ class ManyPeers:
         self._admitted: OrderedDict[Peer, PeerDecoder] = OrderedDict()  # the latest believed is last
         self._strangers: OrderedDict[Peer, PeerDecoder] = OrderedDict()  # the latest heard is last
         self._gone = Decoder()  # keeps the counts of those that were forgotten
+        self._gone_lost: int | None = 0
         self.received_bytes = 0
 
     @property
     def decoders(self) -> list[Decoder]:
         """All decoders, for their counts."""
         return [self._gone, *(each.decoder for each in (*self._admitted.values(), *self._strangers.values()))]
+
+    @property
+    def senders(self) -> list[Peers]:
+        """Who speaks at each peer."""
+        return [each.senders for each in (*self._admitted.values(), *self._strangers.values())]
+
+    @property
+    def lost(self) -> int | None:
+        """Frames that were lost; None: of one peer nobody can tell."""
+        return total([self._gone_lost, *(each.lost for each in self.senders)])
+
+    def meet(self, packet: Packet, peer: Peer, now: float) -> None:
+        """Note who has sent a packet that is believed."""
+        entry = self._admitted.get(peer) or self._strangers.get(peer)
+        if entry is not None:
+            entry.senders.meet(packet, now)
 
     def read(self, now: float) -> Iterator[Arrival]:
         """Give what has arrived from admitted peers, then from strangers."""
@@ -135,3 +168,14 @@ class ManyPeers:
     def _forget(self, entry: PeerDecoder) -> None:
         self._gone.bad += entry.decoder.bad
         self._gone.unknown += entry.decoder.unknown
+        self._gone_lost = total([self._gone_lost, entry.senders.lost])
+
+
+def total(counts: Iterable[int | None]) -> int | None:
+    """Add counts; what is unknown of one is unknown of all.
+
+    >>> total([1, 2]), total([1, None])
+    (3, None)
+    """
+    known = [*counts]
+    return None if None in known else sum(count or 0 for count in known)

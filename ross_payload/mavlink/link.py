@@ -15,7 +15,6 @@ from ross_payload.transport.ports import Peer, Transport
 from ross_protocols.mavlink.codec import Encoder, Packet
 from ross_protocols.mavlink.commands import is_stop
 from ross_protocols.mavlink.component_id import ComponentId
-from ross_protocols.mavlink.peers import Peers
 from ross_protocols.mavlink.signing import SIGNATURE_SIZE, Guardian, Trust, is_signed
 
 ADMISSION_TIMEOUT_S = 5.0  # with connections that have not shown our key [s]
@@ -63,7 +62,6 @@ class Channel:
 
     def __init__(self, config: LinkConfig, port: Transport, now: float, number: int, guardian: Guardian | None) -> None:
         self.config = config
-        self.peers = Peers()
         self.twins = 0
         self._port = port
         self._number = number % 256  # the link id of our signatures
@@ -114,8 +112,12 @@ class Channel:
 
     def meet(self, packet: Packet, peer: Peer, now: float) -> None:
         """Note who has sent a packet that is believed; from now on it is answered where it spoke from."""
-        self.peers.meet(packet, now)
         self.admit(packet, peer, now)
+        self._decoders.meet(packet, peer, now)
+
+    def knows(self, system_id: int, component_id: int) -> bool:
+        """Tell whether a component was heard here; component 0 is any of its system."""
+        return any(each.knows(system_id, component_id) for each in self._decoders.senders)
 
     def admit(self, packet: Packet, peer: Peer, now: float) -> None:
         """Answer a peer from now on, where its packet may be believed."""
@@ -132,12 +134,13 @@ class Channel:
 
     def status(self, now: float) -> LinkStatus:
         """Return how the link is."""
-        counts, decoders = self._port.counts, self._decoders.decoders
+        counts, decoded = self._port.counts, self._decoders
+        present = sorted({who for senders in decoded.senders for who in senders.present(now)})
         mine = self._counts | {"dropped": self._counts["dropped"] + counts.dropped + counts.failed}
         return LinkStatus(
             url=self.config.url, role=self.config.role, up=counts.up, room=self._budget.tokens(now),
-            peers=self.peers.present(now), lost=self.peers.lost, bad=sum(each.bad for each in decoders),
-            unknown=sum(each.unknown for each in decoders), received_bytes=self._decoders.received_bytes,
+            peers=tuple(present), lost=decoded.lost, bad=sum(each.bad for each in decoded.decoders),
+            unknown=sum(each.unknown for each in decoded.decoders), received_bytes=decoded.received_bytes,
             reconnects=counts.reconnects, twins=self.twins, error=counts.error, **mine,
         )  # fmt: skip
 

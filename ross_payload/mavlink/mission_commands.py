@@ -147,7 +147,7 @@ class MissionCommands:
     def _count(self, received: Received) -> None:
         """Count the frames of every sender, whatever they carry."""
         packet = received.packet
-        self._origin = self._frames.note(packet.sender, received.link, packet.sequence, self._now)
+        self._origin = self._frames.note(packet.sender, received.way, packet.sequence, self._now)
 
     def _stop(self, command: Command, received: Received, now: float) -> None:
         """Stop, whatever was ordered before, and however often."""

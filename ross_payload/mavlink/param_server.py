@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.config.parameter_table import TABLE, value_of
 from ross_payload.errors import ConfigError
-from ross_payload.mavlink.component import Component, Received
+from ross_payload.mavlink.component import Component, Received, Way
 from ross_payload.token_bucket import TokenBucket
 from ross_protocols.mavlink import params
 from ross_protocols.mavlink.component_id import ComponentId
@@ -37,7 +37,7 @@ NAMES = tuple(TABLE)
 
 @dataclass(slots=True)
 class _Station:
-    """A ground station on one link."""
+    """A ground station on one way."""
 
     received_at: float  # last [s]
     left: int = GREETINGS  # values that it may still be told unasked
@@ -80,7 +80,7 @@ class ParamServer:
         self._settable = TokenBucket(BURST, RATE)
         self._errors = TokenBucket(burst=10, rate=5.0)
         self._greetings = TokenBucket(GREETING_BURST, GREETING_RATE)
-        self._stations: OrderedDict[tuple[str, ComponentId], _Station] = OrderedDict()  # who was heard last is last
+        self._stations: OrderedDict[tuple[Way, ComponentId], _Station] = OrderedDict()  # who was heard last is last
         component.subscribe(self.on_packet, common.MAVLINK_MSG_ID_HEARTBEAT, *params.REQUESTS)
 
     def on_packet(self, received: Received) -> None:
@@ -183,6 +183,6 @@ class ParamServer:
             self._waiting.append((index, link))
 
 
-def _who(received: Received) -> tuple[str, ComponentId]:
-    """Return whom a packet came from, and on which link."""
-    return received.link, received.packet.sender
+def _who(received: Received) -> tuple[Way, ComponentId]:
+    """Return whom a packet came from, and on which way: several stations have the same ids by default."""
+    return received.way, received.packet.sender

@@ -226,7 +226,7 @@ class Router(AbstractContextManager["Router"]):
             return links
         if system == self.system_id and component in self._components:
             return []
-        return [link for link in links if link.peers.knows(system, component)] or links
+        return [link for link in links if link.knows(system, component)] or links
 
     def _on_frame(self, link: Channel, arrived: Arrived) -> None:
         now, packet = self._clock.now(), arrived.packet
@@ -241,7 +241,8 @@ class Router(AbstractContextManager["Router"]):
             link.meet(packet, arrived.peer, now)
         self._latch(link, packet)
         may_order = link.may_order(arrived)
-        self.dispatcher.dispatch(Received(link.config.url, link.config.role, packet, may_order, arrived.refusal))
+        where = link.config.url, link.config.role
+        self.dispatcher.dispatch(Received(*where, packet, may_order, arrived.refusal, arrived.peer))
 
     def _latch(self, link: Channel, packet: Packet) -> None:
         if self.system_id or link.config.role != "autopilot" or packet.component_id != AUTOPILOT:

@@ -1,4 +1,4 @@
-"""Who was heard on a link."""
+"""Who was heard on a way: a link, or one peer of it."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class SequenceNumbers:
 
 
 class Peers:
-    """The latest senders of a link, and how many of their frames are missing."""
+    """The latest senders on a way, and how many of their frames are missing."""
 
     def __init__(self) -> None:
         self._latest: OrderedDict[ComponentId, tuple[SequenceNumbers, float]] = OrderedDict()  # and time; latest last
