@@ -1,8 +1,8 @@
 """The file server: files to be read over MAVLink FTP, a few in memory and, where asked for, recordings.
 
-`on_packet` takes what arrives and `tick` the time, both on the thread of the pump. Of a client only what it has open,
-and the last answer that took a while, is remembered, so that a request that comes twice is answered twice alike.
-Nothing can be written.
+`on_packet` takes what arrives and `tick` the time, both on the thread of the pump. A client may have several sessions,
+each with a number that it chooses and one open file. Of a session only what it has open, and the last answer that took
+a while, is remembered, so that a request that comes twice is answered twice alike. Nothing can be written.
 """
 
 from __future__ import annotations
@@ -12,11 +12,10 @@ import math
 import struct
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import replace
 
 from ross_payload.mavlink.component import Component, Received
+from ross_payload.mavlink.ftp_session import Content, InMemory, Session
 from ross_payload.mavlink.recording_files import FOLDER, Recordings
 from ross_payload.mavlink.router import LOCAL
 from ross_payload.token_bucket import TokenBucket
@@ -25,56 +24,20 @@ from ross_protocols.mavlink.component_id import ComponentId, target_of
 from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.ftp import MOST, Error, Opcode, Packet, checksum, message_of, packet_of
 
-CLIENTS = 8  # that are served; then the oldest loses what it has open
+SESSIONS = 8  # that are served; then the oldest loses what it has open
+LONGEST_BURST = 2.5  # [s]; who has gone costs no more, and pymavlink's client gives up 3.7 s after its last request
+MOST_READS = 16  # portions of one session that wait to be read; what is more is as if lost
 SPEED = 2700.0  # of a burst [bytes/s]: half of a line of 57600 baud
 SHARE = 0.5  # of what a link may carry: telemetry has the rest
 AT_ONCE = 8  # portions of a file to one client between two looks at the time
+UNSEEN = 0.04  # [s] between two looks, at most, that a link makes up for
 AROUND = 24  # bytes of a frame beside the data
 AGAIN = 3.0  # [s] in which the same request is one that came again
 BURST, RATE = 40, 20.0  # requests at once, and [1/s]; what is more is as if lost
 log = logging.getLogger(__name__)
 
-
-class Content(Protocol):
-    """What a client has open."""
-
-    @property
-    def size(self) -> int:
-        """Its length [bytes]."""
-
-    def read(self, offset: int, size: int) -> bytes | None:
-        """Return a portion, empty behind the end; None: ask again later."""
-
-
-@dataclass(frozen=True, slots=True)
-class _InMemory:
-    """A file in memory."""
-
-    content: bytes
-
-    @property
-    def size(self) -> int:
-        """Its length [bytes]."""
-        return len(self.content)
-
-    def read(self, offset: int, size: int) -> bytes:
-        """Return a portion, empty behind the end."""
-        return self.content[offset:][:size]
-
-
 _Job = Callable[[], Content | bytes]  # touches the disk
-
-
-@dataclass(slots=True)
-class _Client:
-    """What a client has open, and what it waits for."""
-
-    link: str
-    content: Content | None = None
-    name: str = ""  # of the content, as it was asked for
-    waiting: Packet | None = None  # the next portion, as a request
-    job: tuple[Packet, Future[Content | bytes]] | None = None  # what it asks of the disk
-    last_answer: tuple[Packet, Packet, float] | None = None  # the last request to the disk, its answer, when [s]
+_Key = tuple[ComponentId, int]  # a client, and the number of one of its sessions
 
 
 class FtpServer:
@@ -107,13 +70,13 @@ class FtpServer:
         self._passing = passing
         self._recordings = recordings
         self._rates = rates
-        self._clients: OrderedDict[ComponentId, _Client] = OrderedDict()
+        self._sessions: OrderedDict[_Key, Session] = OrderedDict()
         self._bucket = TokenBucket(BURST, RATE)
         self._free: dict[str, float] = {}  # when a link may take the next portion [s]
         self._now = 0.0
-        self._answers: dict[int, Callable[[Packet, ComponentId, _Client], Packet | None]] = {
+        self._answers: dict[int, Callable[[Packet, _Key, Session], Packet | None]] = {
             Opcode.TERMINATE: self._close,
-            Opcode.RESET: self._close,
+            Opcode.RESET: self._reset,
             Opcode.OPEN_RO: self._open,
             Opcode.READ: self._read,
             Opcode.BURST_READ: self._read,
@@ -130,26 +93,29 @@ class FtpServer:
             return
         if request.opcode in (Opcode.ACK, Opcode.NAK) or not self._bucket.spend(self._now):
             return
-        client = self._clients.get(sender) or _Client(received.link)
-        client.link = received.link
-        answer = self._answers.get(request.opcode, self._unknown)(request, sender, client)
+        key = sender, request.session
+        session = self._sessions.get(key) or Session(received.link)
+        session.link = received.link
+        answer = self._answers.get(request.opcode, self._unknown)(request, key, session)
         if answer is not None:
             self._send(answer, sender, received.link)
 
     def tick(self, now: float) -> None:
         """Send what has come from the disk, and the portions of files that are due."""
         self._now = now
-        for sender, client in tuple(self._clients.items()):
-            if client.job is not None and client.job[1].done():
-                self._done(sender, client)
+        for key, session in tuple(self._sessions.items()):
+            if session.job is not None and session.job[1].done():
+                self._done(key, session)
             for _ in range(AT_ONCE):
-                if client.waiting is None or now < self._free.get(client.link, -math.inf):
+                request, content = session.next, session.content
+                if request is None or content is None or now < self._free.get(session.link, -math.inf):
                     break
-                answer = self._portion(client, client.waiting)
+                answer = self._portion(session, content, request)
                 if answer is None:
                     break
-                self._send(answer, sender, client.link)
-                self._clients.move_to_end(sender)  # the others first, the next time
+                session.sent(request, answer)
+                self._send(answer, key[0], session.link)
+                self._sessions.move_to_end(key)  # the others first, the next time
 
     # ------------------------------------------------------------------------------------- open, list, check
 
@@ -157,126 +123,132 @@ class FtpServer:
         """Return the files in memory of this moment."""
         return {**self._lasting, **self._passing()}
 
-    def _open(self, request: Packet, sender: ComponentId, client: _Client) -> Packet | None:
+    def _open(self, request: Packet, key: _Key, session: Session) -> Packet | None:
         name = _name(request)
         content = self._files().get(name)
         if content is not None:
-            self._keep(sender, client).content = _InMemory(content)
-            client.waiting, client.name = None, name
+            self._keep(key, session).open(InMemory(content), name)
             return _answered(request, struct.pack("<I", len(content)))
         recordings = self._recordings
         if recordings is None or not recordings.owns(name):
             return _refused(request, Error.FILE_NOT_FOUND)
-        return self._begin(request, sender, client, lambda: recordings.opened(name))
+        return self._begin(request, key, session, lambda: recordings.opened(name))
 
-    def _list(self, request: Packet, sender: ComponentId, client: _Client) -> Packet | None:
+    def _list(self, request: Packet, key: _Key, session: Session) -> Packet | None:
         name, recordings = _name(request).strip("/"), self._recordings
         if not name:
             files = [f"F{each}\t{len(content)}".encode() for each, content in self._files().items()]
             return _listed(request, _entries([*files, b"D" + FOLDER.encode()], request.offset))
         if recordings is None or not recordings.owns(name):
             return _refused(request, Error.FILE_NOT_FOUND)
-        return self._begin(request, sender, client, lambda: _entries(recordings.entries(name), request.offset))
+        return self._begin(request, key, session, lambda: _entries(recordings.entries(name), request.offset))
 
-    def _check(self, request: Packet, sender: ComponentId, client: _Client) -> Packet | None:
+    def _check(self, request: Packet, key: _Key, session: Session) -> Packet | None:
         name, recordings = _name(request), self._recordings
         content = self._files().get(name)
         if content is not None:
             return _answered(request, struct.pack("<I", checksum(content)))
         if recordings is None or not recordings.owns(name):
             return _refused(request, Error.FILE_NOT_FOUND)
-        return self._begin(request, sender, client, lambda: struct.pack("<I", recordings.checksum(name)))
+        return self._begin(request, key, session, lambda: struct.pack("<I", recordings.checksum(name)))
 
-    def _begin(self, request: Packet, sender: ComponentId, client: _Client, job: _Job) -> Packet | None:
+    def _begin(self, request: Packet, key: _Key, session: Session, job: _Job) -> Packet | None:
         """Ask the disk in the background; a request that comes again is answered again, or waited for."""
         if (
-            client.last_answer is not None
-            and client.last_answer[0] == request
-            and self._now < client.last_answer[2] + AGAIN
+            session.last_answer is not None
+            and session.last_answer[0] == request
+            and self._now < session.last_answer[2] + AGAIN
         ):
-            return client.last_answer[1]
-        if client.job is None:  # one at a time: what comes meanwhile is as if lost
-            self._keep(sender, client).job = request, begin(job)
+            return session.last_answer[1]
+        if session.job is None:  # one at a time: what comes meanwhile is as if lost
+            self._keep(key, session).job = request, begin(job)
         return None
 
-    def _done(self, sender: ComponentId, client: _Client) -> None:
-        if client.job is None:
+    def _done(self, key: _Key, session: Session) -> None:
+        if session.job is None:
             return
-        (request, job), client.job = client.job, None
+        (request, job), session.job = session.job, None
         error = job.exception()
         if error is not None:
             answer = _refused(request, Error.FILE_NOT_FOUND)
         else:
-            answer = self._answer(request, sender, client, job.result())
-        client.last_answer = request, answer, self._now
-        self._send(answer, sender, client.link)
+            answer = self._answer(request, key, session, job.result())
+        session.last_answer = request, answer, self._now
+        self._send(answer, key[0], session.link)
 
-    def _answer(self, request: Packet, sender: ComponentId, client: _Client, found: Content | bytes) -> Packet:
+    def _answer(self, request: Packet, key: _Key, session: Session, found: Content | bytes) -> Packet:
         if isinstance(found, bytes):
             return _listed(request, found) if request.opcode == Opcode.LIST else _answered(request, found)
-        client.content, client.waiting, client.name = found, None, _name(request)
+        session.open(found, _name(request))
         size = f"{found.size / 1e6:.1f} MB"
-        log.info("MAVLink FTP: %d/%d reads %s (%s) over %s", *sender, client.name, size, client.link)
+        log.info("MAVLink FTP: %d/%d reads %s (%s) over %s", *key[0], session.name, size, session.link)
         return _answered(request, struct.pack("<I", found.size))
 
-    def _close(self, request: Packet, sender: ComponentId, client: _Client) -> Packet:
-        self._clients.pop(sender, None)
+    def _close(self, request: Packet, key: _Key, session: Session) -> Packet:
+        self._sessions.pop(key, None)
+        return _answered(request)
+
+    def _reset(self, request: Packet, key: _Key, session: Session) -> Packet:
+        for each in [other for other in self._sessions if other[0] == key[0]]:
+            del self._sessions[each]
         return _answered(request)
 
     # ------------------------------------------------------------------------------------- read
 
-    def _read(self, request: Packet, sender: ComponentId, client: _Client) -> Packet | None:
-        """Answer with a portion; of a burst the others follow in time."""
-        if client.content is None:
+    def _read(self, request: Packet, key: _Key, session: Session) -> Packet | None:
+        """Answer with a portion, or put it in line; the portions of a burst follow in time.
+
+        A burst goes on beside single portions: clients ask for the gaps while it comes.
+        """
+        if session.content is None:
             return _refused(request, Error.INVALID_SESSION)
-        if request.opcode == Opcode.READ and request.size > MOST:
+        in_memory = isinstance(session.content, InMemory)
+        if request.opcode == Opcode.BURST_READ:
+            session.burst, session.ends = request, self._now + LONGEST_BURST
+            answer = self._portion(session, session.content, request) if in_memory else None
+            if answer is not None:
+                session.sent(request, answer)
+            return answer
+        if request.size > MOST:
             return _refused(request, Error.INVALID_DATA_SIZE)
-        if isinstance(client.content, _InMemory):
-            return self._portion(client, request)
-        client.waiting = request  # in the time of its link
+        if in_memory:
+            return self._portion(session, session.content, request)
+        if request not in session.reads and len(session.reads) < MOST_READS:
+            session.reads.append(request)  # in the time of its link
         return None
 
-    def _portion(self, client: _Client, request: Packet) -> Packet | None:
+    def _portion(self, session: Session, content: Content, request: Packet) -> Packet | None:
         """Return the answer to a request for a portion; None: the disk has not given it yet."""
-        if client.content is None:
-            client.waiting = None
-            return _refused(request, Error.INVALID_SESSION)
         try:
-            portion = client.content.read(request.offset, min(request.size or MOST, MOST))
+            portion = content.read(request.offset, min(request.size or MOST, MOST))
         except OSError:
-            client.waiting = None
             return _refused(request, Error.FAIL)
         if portion is None:
             return None
-        client.waiting = None
         if not portion:
             return _refused(request, Error.END_OF_FILE)
-        self._spend(client, len(portion) + AROUND)
-        if request.opcode == Opcode.READ:
-            return _answered(request, portion)
-        after = request.offset + len(portion)
-        if after < client.content.size:
-            client.waiting = replace(request, sequence=request.sequence + 1, offset=after)
-        return replace(_answered(request, portion), burst_complete=client.waiting is None)
+        self._spend(session, len(portion) + AROUND)
+        complete = request.offset + len(portion) >= content.size or self._now >= session.ends
+        return replace(_answered(request, portion), burst_complete=request.opcode == Opcode.BURST_READ and complete)
 
-    def _spend(self, client: _Client, size: int) -> None:
+    def _spend(self, session: Session, size: int) -> None:
         """Let a link rest for as long as telemetry needs after so many bytes."""
-        disk = self._recordings is not None and not isinstance(client.content, _InMemory)
+        disk = self._recordings is not None and not isinstance(session.content, InMemory)
         most = self._recordings.speed if disk and self._recordings is not None else SPEED
-        speed = min(most, SHARE * self._rates().get(client.link, math.inf))
-        self._free[client.link] = max(self._now, self._free.get(client.link, self._now)) + size / speed
+        speed = min(most, SHARE * self._rates().get(session.link, math.inf))
+        self._free[session.link] = max(self._free.get(session.link, -math.inf), self._now - UNSEEN) + size / speed
 
-    # ------------------------------------------------------------------------------------- clients
+    # ------------------------------------------------------------------------------------- sessions
 
-    def _keep(self, sender: ComponentId, client: _Client) -> _Client:
-        """Remember a client; the one that was served longest ago makes room."""
-        self._clients[sender] = client
-        self._clients.move_to_end(sender)
-        if len(self._clients) > CLIENTS:
-            self._clients.popitem(last=False)
-        return client
+    def _keep(self, key: _Key, session: Session) -> Session:
+        """Remember a session; the one that was served longest ago makes room."""
+        self._sessions[key] = session
+        self._sessions.move_to_end(key)
+        if len(self._sessions) > SESSIONS:
+            self._sessions.popitem(last=False)
+        return session
 
-    def _unknown(self, request: Packet, sender: ComponentId, client: _Client) -> Packet:
+    def _unknown(self, request: Packet, key: _Key, session: Session) -> Packet:
         return _refused(request, Error.UNKNOWN_COMMAND)
 
     def _send(self, answer: Packet, sender: ComponentId, link: str) -> None:
@@ -308,4 +280,7 @@ def _answered(request: Packet, data: bytes = b"") -> Packet:
 
 
 def _refused(request: Packet, error: Error) -> Packet:
-    return Packet(request.sequence + 1, Opcode.NAK, request.session, 1, request.opcode, data=bytes([error]))
+    """Return a NAK; pymavlink's client takes one that does not name the offset of its request for an old one."""
+    return Packet(
+        request.sequence + 1, Opcode.NAK, request.session, 1, request.opcode, offset=request.offset, data=bytes([error])
+    )

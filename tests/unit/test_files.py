@@ -81,6 +81,22 @@ def test_a_burst_sends_the_rest_and_says_which_is_the_last(payload):
     assert [answer.sequence for answer in answers] == list(range(8, 8 + len(answers)))
 
 
+def test_the_sessions_of_one_client_do_not_mix(payload):
+    """MAVProxy fetches five files at once, each in a session whose number it chooses."""
+    for session, name in ((17, b"long.bin"), (18, b"general.json")):
+        (answer,) = payload.ask(Opcode.OPEN_RO, name, session=session)
+        assert (answer.opcode, answer.session) == (Opcode.ACK, session)
+    (first,) = payload.ask(Opcode.READ, session=17, size=50)
+    (second,) = payload.ask(Opcode.READ, session=18, size=50)
+    assert (first.data, second.data) == (bytes(range(50)), files()[GENERAL][:50])
+    payload.ask(Opcode.TERMINATE, session=18)
+    (first,) = payload.ask(Opcode.READ, session=17, size=50, offset=50)
+    assert first.data == bytes(range(50, 100))
+    payload.ask(Opcode.RESET, session=3)
+    (gone,) = payload.ask(Opcode.READ, session=17, size=50)
+    assert (gone.opcode, gone.data) == (Opcode.NAK, bytes([Error.INVALID_SESSION]))
+
+
 def test_a_burst_leaves_a_slow_link_half_of_its_line(payload):
     opened(payload, "long.bin")
     assert sum(len(answer.data) + 24 for answer in payload.ask(Opcode.BURST_READ, size=239, seconds=1.0)) < 3000
@@ -149,7 +165,8 @@ def test_the_message_points_to_general():
 
 @pytest.mark.parametrize("odds", [{}, {"loss": 0.1}], ids=["good", "bad"])
 def test_pymavlinks_own_client_reads_the_files(sky, tmp_path, monkeypatch, odds):
-    payload, late = Payload(sky(**odds), files()), []
+    content = files() | {"portions.bin": bytes(range(160))}  # it asks for 80 at once
+    payload, late = Payload(sky(**odds), content), []
     monkeypatch.setattr(mavftp, "time", SimpleNamespace(time=payload.clock.now, sleep=payload.wait))
 
     def send(network, system, component, data):
@@ -166,7 +183,7 @@ def test_pymavlinks_own_client_reads_the_files(sky, tmp_path, monkeypatch, odds)
         source_component=190,
     )
     client = mavftp.MAVFTP(master, 1, 191)
-    for name, data in files().items():
+    for name, data in content.items():
         assert client.cmd_get([name, str(tmp_path / name)]).error_code == 0
         client.process_ftp_reply("OpenFileRO", timeout=20)
         assert (tmp_path / name).read_bytes() == data

@@ -1,0 +1,72 @@
+"""What a client of the file server has open in one of its sessions, and what it waits for."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from concurrent.futures import Future
+from dataclasses import dataclass, field, replace
+from typing import Protocol
+
+from ross_protocols.mavlink.ftp import Opcode, Packet
+
+
+class Content(Protocol):
+    """What a client has open."""
+
+    @property
+    def size(self) -> int:
+        """Its length [bytes]."""
+
+    def read(self, offset: int, size: int) -> bytes | None:
+        """Return a portion, empty behind the end; None: ask again later."""
+
+
+@dataclass(frozen=True, slots=True)
+class InMemory:
+    """A file in memory."""
+
+    content: bytes
+
+    @property
+    def size(self) -> int:
+        """Its length [bytes]."""
+        return len(self.content)
+
+    def read(self, offset: int, size: int) -> bytes:
+        """Return a portion, empty behind the end."""
+        return self.content[offset:][:size]
+
+
+@dataclass(slots=True)
+class Session:
+    """One session."""
+
+    link: str
+    content: Content | None = None
+    name: str = ""  # of the content, as it was asked for
+    reads: deque[Packet] = field(default_factory=deque)  # portions that were asked for one by one
+    burst: Packet | None = None  # the next portion of a burst, as a request
+    ends: float = -math.inf  # the burst [s]
+    job: tuple[Packet, Future[Content | bytes]] | None = None  # what it asks of the disk
+    last_answer: tuple[Packet, Packet, float] | None = None  # the last request to the disk, its answer, when [s]
+
+    def open(self, content: Content, name: str) -> None:
+        """Have a file open, and nothing of the one before."""
+        self.content, self.name, self.burst = content, name, None
+        self.reads.clear()
+
+    @property
+    def next(self) -> Packet | None:
+        """The next portion, as a request: a gap goes before the burst that has left it."""
+        return self.reads[0] if self.reads else self.burst
+
+    def sent(self, request: Packet, answer: Packet) -> None:
+        """Go on behind an answered portion."""
+        if request.opcode == Opcode.READ:
+            self.reads.popleft()
+        elif answer.opcode == Opcode.NAK or answer.burst_complete:
+            self.burst = None
+        else:
+            after = request.offset + len(answer.data)
+            self.burst = replace(request, sequence=request.sequence + 1, offset=after)
