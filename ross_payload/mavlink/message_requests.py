@@ -17,6 +17,7 @@ from ross_protocols.mavlink.dialect import common, ross
 REQUEST_MESSAGE = common.MAV_CMD_REQUEST_MESSAGE
 SET_INTERVAL = common.MAV_CMD_SET_MESSAGE_INTERVAL
 GET_INTERVAL = common.MAV_CMD_GET_MESSAGE_INTERVAL
+INTERVAL = common.MAVLINK_MSG_ID_MESSAGE_INTERVAL  # its first number is the id of the message that is meant
 VERSION, PROTOCOL = common.MAVLINK_MSG_ID_AUTOPILOT_VERSION, ross.MAVLINK_MSG_ID_PROTOCOL_VERSION
 BASIC = ross.MAVLINK_MSG_ID_COMPONENT_INFORMATION_BASIC
 METADATA = ross.MAVLINK_MSG_ID_COMPONENT_METADATA
@@ -74,7 +75,9 @@ class MessageRequests:
         return handler
 
     def _request(self, command: Command, link: str) -> Verdict:
-        message_id = _message_id(command)
+        message_id = _message_id(command.numbers[0])
+        if message_id == INTERVAL:
+            return self._tell_interval(command.numbers[1], link)
         if message_id is not None and message_id in self._made:
             self._component.send(self._made[message_id](), link)
             return ACCEPTED
@@ -87,7 +90,7 @@ class MessageRequests:
         return ACCEPTED
 
     def _set_interval(self, command: Command, link: str) -> Verdict:
-        message_id, interval = _message_id(command), command.numbers[1]
+        message_id, interval = _message_id(command.numbers[0]), command.numbers[1]
         if message_id is None or self._scheduler.period(link, message_id) is None:
             return Verdict(Result.DENIED)
         periods = {USUAL: None, NEVER: math.inf}
@@ -100,7 +103,10 @@ class MessageRequests:
         return ACCEPTED if done else Verdict(Result.DENIED)
 
     def _get_interval(self, command: Command, link: str) -> Verdict:
-        message_id = _message_id(command)
+        return self._tell_interval(command.numbers[0], link)
+
+    def _tell_interval(self, number: float, link: str) -> Verdict:
+        message_id = _message_id(number)
         if message_id is None or message_id > LARGEST_ID:
             return Verdict(Result.DENIED)
         interval = _interval(self._scheduler.period(link, message_id))
@@ -108,8 +114,7 @@ class MessageRequests:
         return ACCEPTED
 
 
-def _message_id(command: Command) -> int | None:
-    number = command.numbers[0]
+def _message_id(number: float) -> int | None:
     return int(number) if 0 <= number < 2**24 and number % 1 == 0 else None
 
 

@@ -13,6 +13,7 @@ from ross_payload.mavlink.mission_commands import MissionCommands
 from ross_protocols.mavlink.dialect import ross
 
 STATUS, SOURCE, HEARTBEAT, VERSION, PROTOCOL = 54001, 54002, 0, 148, 300
+MESSAGE_INTERVAL = 244
 REQUEST, SET, GET = 512, 511, 510
 ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
 URL = "udpout:127.0.0.1:14550"
@@ -115,6 +116,13 @@ def test_an_interval_is_set_told_and_set_back(payload):
     assert (told.message_id, told.interval_us) == (STATUS, 100_000)
     assert payload.ask(SET, STATUS, 0)[0] == [ACCEPTED]
     assert payload.streams.period(URL, STATUS) == 0.25
+
+
+def test_an_interval_is_told_as_a_message_on_request_too(payload):
+    """MAVLink has REQUEST_MESSAGE in the place of GET_MESSAGE_INTERVAL by now."""
+    results, (told,) = payload.ask(REQUEST, MESSAGE_INTERVAL, STATUS)
+    assert (results, told.message_id, told.interval_us) == ([ACCEPTED], STATUS, 250_000)
+    assert payload.ask(REQUEST, MESSAGE_INTERVAL, math.nan) == ([DENIED], [])
 
 
 def test_a_stream_is_silenced_and_says_so(payload):
