@@ -152,6 +152,14 @@ def test_any_integer_type_is_understood_in_both_encodings(payload, kind, way):
     assert payload.parameters.config.explore.max_rotations == 20
 
 
+@pytest.mark.parametrize("kind", ["INT8", "INT16", "INT32"])
+@pytest.mark.parametrize("way", ["as a float", "as bytes"])
+def test_a_negative_integer_is_understood_in_both_encodings(payload, kind, way):
+    packed = struct.unpack("<f", struct.pack(KINDS[kind], -3))[0]
+    payload.set("XPL_CRITERION", -3.0 if way == "as a float" else packed, getattr(common, f"MAV_PARAM_TYPE_{kind}"))
+    assert payload.parameters.value("XPL_CRITERION") == -3.0
+
+
 def test_a_switch_is_set_by_an_integer_in_both_encodings(payload):
     payload.set("EXP_PIPELINED", struct.unpack("<f", b"\x01\0\0\0")[0], common.MAV_PARAM_TYPE_UINT8)
     assert payload.parameters.config.explore.pipelined

@@ -155,15 +155,15 @@ def number_meant(value: float, kind: int) -> float:
     """Return the number that the float of a PARAM_SET stands for; ``kind`` is its MAV_PARAM_TYPE.
 
     A client that takes the parameter for an integer sends the integer as a float, or its bytes in the place of a float;
-    the bytes of a small integer are a float next to nothing.
+    the bytes of a small integer are a float next to nothing, and those of a small negative one no number.
 
-    >>> [number_meant(wire, common.MAV_PARAM_TYPE_INT32) for wire in (12.0, 1.6815581571897805e-44)]
-    [12.0, 12.0]
+    >>> [number_meant(wire, common.MAV_PARAM_TYPE_INT32) for wire in (12.0, 1.6815581571897805e-44, -math.nan)]
+    [12.0, 12.0, -4194304.0]
     >>> number_meant(0.10000000149011612, REAL32)
     0.1
     """
     layout = INTEGERS.get(kind)
-    if layout is not None and 0 < abs(value) < 1:
+    if layout is not None and (0 < abs(value) < 1 or math.isnan(value)):
         return float(struct.unpack(layout, struct.pack("<f", value))[0])
     return shortest(value)
 
