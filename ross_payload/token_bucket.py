@@ -13,13 +13,13 @@ class TokenBucket:
 
     def __init__(self, burst: float, rate: float) -> None:
         self.rate = rate  # infinite: there is always room
-        self._burst = self._tokens = burst
+        self.burst = self._tokens = burst
         self._filled: float | None = None  # when it was filled up last [s]
 
     def tokens(self, now: float) -> float:
         """Return how many tokens there are at ``now`` [s]."""
         if self._filled is not None and now > self._filled:
-            self._tokens = min(self._tokens + (now - self._filled) * self.rate, self._burst)
+            self._tokens = min(self._tokens + (now - self._filled) * self.rate, self.burst)
         self._filled = now
         return self._tokens
 

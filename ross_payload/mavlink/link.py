@@ -32,6 +32,7 @@ class LinkStatus:
     role: str
     up: bool  # connected, as far as one can know
     room: float  # what the budget allows at this moment [bytes]; inf: anything
+    most: float  # what it ever allows at once [bytes]
     peers: tuple[ComponentId, ...]  # heard lately
     sent: int  # frames
     sent_bytes: int
@@ -139,6 +140,7 @@ class Channel:
         mine = self._counts | {"dropped": self._counts["dropped"] + counts.dropped + counts.failed}
         return LinkStatus(
             url=self.config.url, role=self.config.role, up=counts.up, room=self._budget.tokens(now),
+            most=self._budget.burst,
             peers=tuple(present), lost=decoded.lost, bad=sum(each.bad for each in decoded.decoders),
             unknown=sum(each.unknown for each in decoded.decoders), received_bytes=decoded.received_bytes,
             reconnects=counts.reconnects, twins=self.twins, error=counts.error, **mine,

@@ -60,6 +60,7 @@ class Stream:
         self._asked: dict[int, float] = {}
         self._size = size
         self.limit = math.inf  # what the messages may take beside the heartbeat [bytes/s]; infinite: what there is
+        self.most = math.inf  # what the link ever takes at once [bytes]
         self._sent: dict[Key, _Sent] = {}
         self._texts: deque[Text] = deque(maxlen=TEXTS)
         self._seen = -1  # news of the board when everything had been sent
@@ -100,20 +101,22 @@ class Stream:
 
     def request(self, board: Board, message_id: int) -> bool:
         """Tell a message once more, soon; False: there is nothing of it to tell."""
-        keys = [key for key, _ in board.items() if key[1] == message_id]
+        keys = [key for key, item in board.items() if key[1] == message_id and self._need(key, item) <= self.most]
         for key in keys:
             self._sent[key] = _Sent(REQUESTED, -math.inf, -math.inf)
         self._seen = -1
         return bool(keys)
 
     def due(self, board: Board, now: float, room: float) -> list[Content]:
-        """Return what is to be sent at ``now`` [s]; what finds no room holds back what matters less."""
+        """Return what is to be sent at ``now`` [s]; what finds no room now holds back what matters less."""
         chosen: list[Content] = []
         for key, item in self._waiting(board, now):
-            size = self._size(item.value)
-            if size > room - (0 if key[0] is Rank.HEARTBEAT or math.isfinite(self.limit) else RESERVE):
+            need = self._need(key, item)
+            if need > self.most:
+                continue
+            if need > room:
                 return chosen
-            room -= size
+            room -= self._size(item.value)
             chosen.append(item.value)
             if isinstance(item.value, Text):
                 self._texts.popleft()
@@ -121,6 +124,11 @@ class Stream:
                 self._note(key, item, now)
         self._rest(board)
         return chosen
+
+    def _need(self, key: Key, item: Item) -> float:
+        """Return how much room there has to be for a value [bytes]."""
+        reserved = 0 if key[0] is Rank.HEARTBEAT or math.isfinite(self.limit) else RESERVE
+        return self._size(item.value) + reserved
 
     def _rest(self, board: Board) -> None:
         """Everything has been sent: note when the next thing is due."""
@@ -270,6 +278,7 @@ class MessageScheduler:
             rooms[status.url] = self._room(status)
             if status.url not in self._outlets:
                 self._outlets[status.url] = self._outlet(status.url, status.role == "autopilot")
+            self._outlets[status.url].stream.most = status.most
         if self._share is not None:
             for url, rate in self._links.rates().items():
                 self._outlets[url].stream.limit = self._share * rate

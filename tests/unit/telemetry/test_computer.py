@@ -12,6 +12,7 @@ NUMBER = common.MAVLINK_MSG_ID_ONBOARD_COMPUTER_STATUS
 GROUND = Link(url="udpout:127.0.0.1:14550")
 RADIO = Link(url="udpout:127.0.0.1:14551", max_bytes_s=960)
 NARROW = Link(url="udpout:127.0.0.1:14552", max_bytes_s=350)
+HALF_OF_9600_BAUD = Link(url="udpout:127.0.0.1:14552", max_bytes_s=480)
 NAME = "ONBOARD_COMPUTER_STATUS"
 REQUEST, SET_INTERVAL = ross.MAV_CMD_REQUEST_MESSAGE, ross.MAV_CMD_SET_MESSAGE_INTERVAL
 STAT = "cpu  0 0 0 0 0 0 0\ncpu0 {busy} 0 0 {idle} 0 0 0\ncpu1 0 0 0 {idle} {busy} 0 0\nintr 5 6\n"
@@ -123,6 +124,17 @@ def test_on_a_slow_line_it_waits_behind_what_matters(aloft):
         sky.live(30.0)
     assert len(sky.ports[0].messages("ROSS_STATUS")) >= 28
     assert 2 <= len(told(sky)) <= 7
+
+
+def test_where_it_never_finds_room_it_takes_none_from_others_and_is_not_promised(aloft):
+    """At 480 bytes/s there is room for the usual rate of the status."""
+    with aloft(HALF_OF_9600_BAUD, computer=busy, give=lambda order: None) as sky:
+        sky.live(20.0)
+        ask(sky, REQUEST, NUMBER)
+        sky.live(1.0)
+    assert told(sky) == []
+    assert len(sky.ports[0].messages("ROSS_STATUS")) >= 60
+    assert [message.result for message in sky.ports[0].messages("COMMAND_ACK")] == [1]
 
 
 @pytest.mark.soak
