@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import select
 import socket
 from collections.abc import Callable, Collection
@@ -16,6 +17,7 @@ from ross_payload.transport.link_url import Udp
 MAX_DATAGRAM_BYTES = 2048
 MAX_DATAGRAMS = 512  # of one call: 50,000 a second, before the system drops what a flood leaves no room for
 BUFFER_BYTES = 4 << 20  # of datagrams that may wait with the system, which may grant less: 0.3 s of a flood of 30,000/s
+BROADCAST = "expected the address of one computer, got a broadcast address; or let it connect to a udpin link"
 ALL_BYTES = MAX_DATAGRAMS * MAX_DATAGRAM_BYTES  # of one call, where what strangers say is thrown away unread
 
 
@@ -197,8 +199,10 @@ def open_udp(address: Udp) -> socket.socket:
         sock.setblocking(False)
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER_BYTES)
         (sock.bind if address.listen else sock.connect)(where)
-    except OSError:
+    except OSError as error:
         sock.close()
+        if error.errno == errno.EACCES and not address.listen:  # answers would come from another address
+            raise OSError(0, BROADCAST) from error
         raise
     return sock
 

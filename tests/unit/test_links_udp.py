@@ -161,6 +161,11 @@ def test_a_host_that_does_not_exist_is_one_clear_line() -> None:
         links_to("udpout:no.such.host.invalid:1")
 
 
+def test_a_broadcast_address_is_named_as_what_it_is() -> None:
+    with pytest.raises(LinkError, match=r"expected the address of one computer, got a broadcast address"):
+        links_to("udpout:127.255.255.255:14550")
+
+
 def test_a_patient_link_to_a_host_that_is_not_known_yet_says_so_and_goes_on() -> None:
     with links_to("udpout:no.such.host.invalid:1", patient=True) as links:
         links.component(191).send(BEAT)
