@@ -6,6 +6,7 @@ Everything here happens on the thread that polls, and nothing waits.
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, ExitStack
@@ -24,6 +25,7 @@ from ross_payload.transport.open_port import open_port
 from ross_payload.transport.ports import Transport
 from ross_payload.transport.signing import SigningTime, read_key
 from ross_protocols.mavlink.codec import Decoder, Encoder, Packet, message_of
+from ross_protocols.mavlink.commands import is_stop
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.peers import PRESENT
 from ross_protocols.mavlink.signing import Guardian
@@ -34,6 +36,8 @@ MOST_SENT = 4096  # frames that are known again, about ten seconds of three busy
 HEAD, PAYLOAD = 4, 10  # where the sequence number and the payload of a frame begin
 AUTOPILOT = 1  # component id
 NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID
+HELD_UP = 3.0  # [s] without a poll, after which senders have given up what they ordered meanwhile
+CATCHING_UP = 1.0  # [s] after such a pause in which what arrives may have waited
 UNKNOWN_SYSTEM = 1  # what we call ourselves towards an autopilot whose system id we wait for
 
 
@@ -85,6 +89,9 @@ class Router(AbstractContextManager["Router"]):
         self._local: deque[tuple[int, bytes]] = deque(maxlen=MOST_LOCAL)
         self._sent = SentFrames()
         self._twin: tuple[int, float] | None = None  # component id, when
+        self._polled = math.inf  # when [s]
+        self._stale_until = -math.inf  # [s]: what arrives before was perhaps sent long ago
+        self._held_up = ""  # why it is not obeyed
 
     @classmethod
     def open(
@@ -150,7 +157,15 @@ class Router(AbstractContextManager["Router"]):
         self._give(self._own(component_id), message, len(self._scale.encode(message)), link)
 
     def poll(self) -> None:
-        """Tell the components what has arrived since the last call."""
+        """Tell the components what has arrived since the last call.
+
+        After a long pause of this program nothing that waited is obeyed but a stop: nobody expects it any more.
+        """
+        now = self._clock.now()
+        if now - self._polled > HELD_UP:
+            self._stale_until = now + CATCHING_UP
+            self._held_up = f"the payload stood still for {now - self._polled:.0f} s: send it again"
+        self._polled = now
         for sender, frame in [self._local.popleft() for _ in range(len(self._local))]:
             for packet in self._decoder.feed(frame):
                 self.dispatcher.dispatch(Received(LOCAL, LOCAL, packet, may_order=True), but=sender)
@@ -240,9 +255,11 @@ class Router(AbstractContextManager["Router"]):
         if arrived.fresh:
             link.meet(packet, arrived.peer, now)
         self._latch(link, packet)
-        may_order = link.may_order(arrived)
+        may_order, refusal = link.may_order(arrived), arrived.refusal
+        if may_order and now < self._stale_until and not is_stop(packet.message):
+            may_order, refusal = False, self._held_up
         where = link.config.url, link.config.role
-        self.dispatcher.dispatch(Received(*where, packet, may_order, arrived.refusal, arrived.peer))
+        self.dispatcher.dispatch(Received(*where, packet, may_order, refusal, arrived.peer))
 
     def _latch(self, link: Channel, packet: Packet) -> None:
         if self.system_id or link.config.role != "autopilot" or packet.component_id != AUTOPILOT:

@@ -77,6 +77,7 @@ def test_a_disk_with_room_again_ends_it(payload: Payload, full: GroundStation, t
     shutil.rmtree(tmp_path / "state" / "signing-time")
     for _ in range(3):
         payload.clock.time += 2.0
+        payload.links.poll()
         payload.say()
         payload.settle()
     payload.say()
