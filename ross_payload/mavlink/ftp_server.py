@@ -29,7 +29,7 @@ LONGEST_BURST = 2.5  # [s]; who has gone costs no more, and pymavlink's client g
 MOST_READS = 16  # portions of one session that wait to be read; what is more is as if lost
 SPEED = 2700.0  # of a burst [bytes/s]: half of a line of 57600 baud
 SHARE = 0.5  # of what a link may carry: telemetry has the rest
-AT_ONCE = 8  # portions of a file to one client between two looks at the time
+AT_ONCE = 8  # portions of files between two looks at the time: the thread has other things to do
 UNSEEN = 0.04  # [s] between two looks, at most, that a link makes up for
 AROUND = 24  # bytes of a frame beside the data
 AGAIN = 3.0  # [s] in which the same request is one that came again
@@ -103,16 +103,18 @@ class FtpServer:
     def tick(self, now: float) -> None:
         """Send what has come from the disk, and the portions of files that are due."""
         self._now = now
+        left = AT_ONCE
         for key, session in tuple(self._sessions.items()):
             if session.job is not None and session.job[1].done():
                 self._done(key, session)
-            for _ in range(AT_ONCE):
+            while left:
                 request, content = session.next, session.content
                 if request is None or content is None or now < self._free.get(session.link, -math.inf):
                     break
                 answer = self._portion(session, content, request)
                 if answer is None:
                     break
+                left -= 1
                 session.sent(request, answer)
                 self._send(answer, key[0], session.link)
                 self._sessions.move_to_end(key)  # the others first, the next time

@@ -13,7 +13,7 @@ from pymavlink import mavftp
 
 from ross_payload.config import Config
 from ross_payload.mavlink.component_info import files
-from ross_payload.mavlink.ftp_server import FtpServer
+from ross_payload.mavlink.ftp_server import AT_ONCE, FtpServer
 from ross_payload.mavlink.recording_files import BLOCK, Recordings
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import ross
@@ -226,6 +226,19 @@ def test_many_readers_share_what_one_may_take(sky, folder):
         sizes[message.target_component] += len(packet_of(message).data) + 24
     assert 9.5 * 10_000 < sum(sizes.values()) < 10.5 * 10_000
     assert min(sizes.values()) > 0.5 * max(sizes.values())
+
+
+def test_many_readers_hold_the_pump_up_no_longer_than_one(sky, folder):
+    payload = Payload(sky(), folder, speed=1_000_000.0)
+    for session in range(4):
+        payload.ask(Opcode.OPEN_RO, PATH, session=session)
+        payload.ask(Opcode.READ, size=10, session=session)  # the first block is here
+    for session in range(4):
+        request = Packet(7, Opcode.BURST_READ, session=session, size=239)
+        payload.ground.send(message_of(request, ComponentId(1, 191)))
+    told = [packet_of(message) for message in payload.wait(0.1)]
+    assert len(told) == 10 * AT_ONCE
+    assert {answer.session for answer in told} == set(range(4))
 
 
 def test_one_line_of_the_log_tells_of_a_download(payload, caplog):
