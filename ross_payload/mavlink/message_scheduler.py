@@ -26,7 +26,7 @@ from ross_protocols.mavlink.values import Text
 SHORTEST = 0.02  # [s] between two of a kind, however often somebody asks for them
 RESERVE = 130  # bytes left to answers: an acknowledgement is never held back by what repeats itself
 ENOUGH = 0.9  # [s] between two statuses, when there is not room for more
-TEXTS = 24  # that wait for room; then the oldest go
+TEXTS = 24  # parts of texts that wait for room; then the oldest texts go
 EARLY = 1e-6  # [s], of rounding
 REQUESTED = -1  # stands for news: sent once more, whatever the period
 FRAME = 75  # bytes of a typical message whose component has a share of the budget, signed
@@ -62,14 +62,17 @@ class Stream:
         self.limit = math.inf  # what the messages may take beside the heartbeat [bytes/s]; infinite: what there is
         self.most = math.inf  # what the link ever takes at once [bytes]
         self._sent: dict[Key, _Sent] = {}
-        self._texts: deque[Text] = deque(maxlen=TEXTS)
+        self._texts: deque[Text] = deque()
         self._seen = -1  # news of the board when everything had been sent
         self._quiet_until = -math.inf  # [s], unless there are news
 
     def queue_texts(self, texts: Iterable[Text]) -> None:
-        """Put texts in line; of too many the oldest are lost."""
+        """Put the parts of texts in line; of too many the oldest texts are lost, each as a whole."""
         self._texts.extend(texts)
         self._seen = -1
+        if len(self._texts) > TEXTS:
+            while self._texts and (len(self._texts) > TEXTS or self._texts[0].chunk):
+                self._texts.popleft()
 
     def quiet(self, board: Board, now: float) -> bool:
         """Tell whether nothing is due at ``now`` [s]: most of the time, and much cheaper to know."""

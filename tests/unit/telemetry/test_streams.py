@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from ross_payload.mavlink.message_board import MESSAGE_IDS, Board, Rank
 from ross_payload.mavlink.message_scheduler import RESERVE, SHORTEST, TEXTS, Stream
+from ross_protocols.mavlink.codec import chunks
 from ross_protocols.mavlink.values import Array, Health, Heartbeat, Named, Severity, Source, Status, Text, Value
 
 PERIODS = {MESSAGE_IDS[Heartbeat]: 1.0, MESSAGE_IDS[Status]: 0.25, MESSAGE_IDS[Source]: 5.0, MESSAGE_IDS[Named]: 1.0}
@@ -117,6 +118,20 @@ def test_texts_that_find_no_room_do_not_pile_up() -> None:
         assert link.due(Board(), number * 0.02, 0.0) == []
     waiting = link.due(Board(), 20.0, math.inf)
     assert [text.text for text in waiting] == [str(number) for number in range(1000 - TEXTS, 1000)]
+
+
+def test_a_text_that_is_lost_is_lost_as_a_whole() -> None:
+    link = stream()
+    link.queue_texts([Text(Severity.INFO, "short")])
+    for number in range(1, TEXTS):
+        link.queue_texts(chunks(Severity.INFO, "x" * 60, number))
+    waiting = link.due(Board(), 20.0, math.inf)
+    assert [(text.id, text.chunk) for text in waiting] == [
+        (number, chunk) for number in range(TEXTS // 2, TEXTS) for chunk in (0, 1)
+    ]
+    link.queue_texts(chunks(Severity.INFO, "x" * 60, 99))
+    link.queue_texts([Text(Severity.INFO, "short")] * (TEXTS - 1))
+    assert [text.text for text in link.due(Board(), 40.0, math.inf)] == ["short"] * (TEXTS - 1)
 
 
 def test_a_value_that_is_taken_from_the_board_is_not_told() -> None:
