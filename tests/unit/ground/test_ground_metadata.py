@@ -48,7 +48,7 @@ def test_a_file_is_read_whole(sky):
     reading = reading_of(rig, "/long.bin")
     assert rig.station.wait(10, lambda: reading.over)
     assert reading.content == LONG
-    assert len(rig.station.sent) == 3, "open, one burst, terminate"
+    assert len(rig.station.sent) == 4, "open, two bursts of at most 2.5 s, terminate"
 
 
 def test_an_empty_file_is_whole_at_once(sky):
