@@ -20,12 +20,13 @@ ONE_ROTOR = {**ROTOR, "rotors_m": [(0.3, 0.2, 0.1)]}
 WIND = {"name": "wind", "kind": "wind", "snr_db": 0.0}
 
 
-def scenario(*sources, vehicle=None):
+def scenario(*sources, vehicle=None, microphones=None):
     values = {
         "title": "test",
         "talkers": [{"azimuth_deg": 155.0, "start_s": 0.0}, {"azimuth_deg": -80.0, "start_s": 0.0}],
         "noise": {"snr_db": 80, "sources": list(sources)},
         "vehicle": vehicle,
+        "microphones": microphones,
     }
     return validated(Scenario, values, "test.toml")
 
@@ -54,6 +55,13 @@ def test_a_rotor_stays_where_it_is_on_the_vehicle_whatever_the_vehicle_does(tmp_
     along = 0.5 * SPACING * np.array([math.cos(joint), math.sin(joint), 0.0])
     expected = (math.dist(place, -along) - math.dist(place, along)) / SPEED_OF_SOUND
     assert arrives_earlier_at_microphone_2(noise) == pytest.approx(expected, abs=4e-6)
+
+
+def test_a_rotor_is_heard_by_the_array_that_is_there_not_by_the_one_that_is_configured(tmp_path):
+    there = {"spacing_m": 0.04, "offset_deg": 180.0}
+    world = heard(scenario({**ROTOR, "rotors_m": [(0.2, 0.0, 0.0)]}, microphones=there), tmp_path)
+    assert arrives_earlier_at_microphone_2(world.noise()) == pytest.approx(-0.04 / SPEED_OF_SOUND, abs=4e-6)
+    assert level(world) == pytest.approx(0.0, abs=0.5)
 
 
 def test_the_nearer_microphone_hears_a_rotor_louder_as_spherical_waves_are(tmp_path):

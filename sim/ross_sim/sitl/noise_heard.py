@@ -133,7 +133,7 @@ def _car(scenario: Scenario, source: NoiseSource, rms: float, rng: np.random.Gen
     places, along = far_noise.car_way(math.radians(source.azimuth_deg or 0.0), source.away)
     responses = _in_the_open(scenario, places, delayed=False)
     nearest = len(places) // 2
-    loudness = gains([sound], [0.0], responses.at(scenario.payload.offset)[:, [nearest]], rms)[0]
+    loudness = gains([sound], [0.0], responses.at(scenario.offset)[:, [nearest]], rms)[0]
     speed, first, every = source.speed_m_s / rate, source.at_s * rate, source.every_s * rate
     heard = [Passing(sound, along, here, speed, first, every) for here in range(len(places))]
     return TalkerSignals(heard, [loudness] * len(places), responses, rate)
@@ -144,17 +144,15 @@ def _as_loud(
 ) -> TalkerSignals:
     """Sources of one strength in the open that together have ``rms`` at microphone 1, joint angle 0."""
     responses = _in_the_open(scenario, places)
-    response = responses.at(scenario.payload.offset)
+    response = responses.at(scenario.offset)
     each = [gains([sound], [0.0], response[:, [k]], 1.0)[0] ** -2 for k, sound in enumerate(sounds)]
     loudness = [rms / math.sqrt(sum(each))] * len(sounds)
     return TalkerSignals([Repeated(sound) for sound in sounds], loudness, responses, scenario.payload.audio.rate_hz)
 
 
 def _in_the_open(scenario: Scenario, places: Sequence[far_noise.Place], *, delayed: bool = True) -> HeadingResponses:
-    array = scenario.payload.array
-    return NearField(
-        tuple(places), array.spacing_m, scenario.payload.audio.rate_hz, array.speed_of_sound_m_s, delayed=delayed
-    )
+    speed = scenario.payload.array.speed_of_sound_m_s
+    return NearField(tuple(places), scenario.spacing, scenario.payload.audio.rate_hz, speed, delayed=delayed)
 
 
 def _recordings(source: NoiseSource, rate: int, other: str = "") -> list[Samples]:
