@@ -60,6 +60,20 @@ def test_silence_is_nobody(images):
     assert right_from(story, truth(0 * images), RATE) is None
 
 
+def test_groups_are_told_by_the_estimate_that_they_were_separated_with(images):
+    def found(time, *azimuths):
+        return SourcesEstimated(
+            time, Estimate(tuple(SourceEstimate(azimuth, 0.01, 1.0, True) for azimuth in azimuths)), 4, final=True
+        )
+
+    there = Truth(NAMES, np.array([0.0, 2.0]), np.zeros(2), images, images.sum(axis=0), "anna")
+    story = EventLog([found(0.5, 0.0, 2.0), period(images, 1000, 0), found(5.0, 2.0)])  # anna has left
+    told = report(story, there, Result(Outcome.NO_TARGET, ""), {"payload": {"audio": RATES}})
+    assert [(group["talkers"], group["target"]) for group in told["groups"]] == [(["anna"], True), (["ben"], False)]
+    assert min(group["si_sdri_db"] for group in told["groups"]) > 10
+    assert [source["name"] for source in told["sources"]] == ["ben"]
+
+
 def test_sources_are_as_sure_as_by_all_that_was_heard(images):
     def told(*sure):
         return Estimate(tuple(SourceEstimate(0.0, 0.01, confidence, True) for confidence in sure))

@@ -48,13 +48,8 @@ def tracks(story: EventLog, truth: Truth) -> list[dict[str, Any]]:
 def periods(story: EventLog, truth: Truth) -> list[dict[str, Any]]:
     """Every T_run: from when, and the SI-SDR of the target and of the mixture [dB]."""
     rows: list[dict[str, Any]] = []
-    estimated: SourcesEstimated | None = None
-    for event in story.events:
-        if isinstance(event, SourcesEstimated):
-            estimated = event
-        if not isinstance(event, Separated) or estimated is None:
-            continue
-        quality = qualities(event, estimated.estimate.sources, truth, estimated.time)[event.target]
+    for event in story.all(Separated):
+        quality = qualities(event, story.estimated_before(event), truth)[event.target]
         rows.append(
             {
                 "time_s": round(event.time, 3),

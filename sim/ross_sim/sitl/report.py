@@ -69,6 +69,11 @@ class EventLog:
         """Return all events of a kind."""
         return [event for event in self.events if isinstance(event, kind)]
 
+    def estimated_before(self, event: Event) -> SourcesEstimated | None:
+        """Return the estimate that held when an event came: its sources are those that the event counts."""
+        place = next(index for index, each in enumerate(self.events) if each is event)
+        return next((each for each in reversed(self.events[:place]) if isinstance(each, SourcesEstimated)), None)
+
 
 @dataclass(frozen=True, slots=True)
 class GroupQuality:
@@ -90,14 +95,12 @@ def match(sources: Sequence[SourceEstimate], azimuths: Real) -> dict[int, int]:
     return {int(i): int(k) for i, k in zip(*linear_sum_assignment(cost), strict=True)}
 
 
-def qualities(
-    event: Separated, sources: Sequence[SourceEstimate], truth: Truth, estimated: float = 0.0
-) -> list[GroupQuality]:
+def qualities(event: Separated, estimated: SourcesEstimated | None, truth: Truth) -> list[GroupQuality]:
     """SI-SDR and its improvement of every group of one T_run, against the sum of the images of its talkers.
 
-    ``estimated`` is the mission time [s] at which the sources were where the estimate has them.
+    ``estimated`` is the estimate whose sources the groups hold.
     """
-    pairs = match(sources, truth.azimuths_at(estimated))
+    pairs = {} if estimated is None else match(estimated.estimate.sources, truth.azimuths_at(estimated.time))
     span = slice(event.start, event.start + event.voices.shape[1])
     return [
         _quality(group, voice, [pairs[m] for m in group.members if m in pairs], truth, span)
@@ -137,7 +140,7 @@ def report(story: EventLog, truth: Truth, result: Result, configuration: dict[st
         "slips_deg": [_round(math.degrees(event.shift), 2) for event in story.all(Slipped)],
         "alignment": _alignment(story),
         "checks": [_check(event) for event in story.all(Checked)],
-        "groups": _groups(story, sources, truth, time),
+        "groups": _groups(story, truth),
         "versions": {name: version(name) for name in PACKAGES} | {"python": platform.python_version()},
         "configuration": configuration,
     }
@@ -240,10 +243,11 @@ def _check(event: Checked) -> dict[str, Any]:
     }
 
 
-def _groups(story: EventLog, sources: Sequence[SourceEstimate], truth: Truth, time: float) -> list[dict[str, Any]]:
+def _groups(story: EventLog, truth: Truth) -> list[dict[str, Any]]:
     separated: Separated | None = story.last(Separated)
     if separated is None:
         return []
+    found = qualities(separated, story.estimated_before(separated), truth)
     return [
         {
             "talkers": list(quality.names),
@@ -257,9 +261,7 @@ def _groups(story: EventLog, sources: Sequence[SourceEstimate], truth: Truth, ti
             "separator": separated.method,
             "why": separated.why,
         }
-        for index, (group, quality) in enumerate(
-            zip(separated.groups, qualities(separated, sources, truth, time), strict=True)
-        )
+        for index, (group, quality) in enumerate(zip(separated.groups, found, strict=True))
     ]
 
 
