@@ -198,7 +198,7 @@ def gains(data: Data, model: Mixture, places: tuple[Real, Real], width: float, r
     excess /= densities(data, model)[:, None] + TINY
     excess -= 1
     total = data.evidence[:, None] + TINY
-    share = np.full((len(total), excess.shape[1]), 0.1, excess.dtype)
+    share, most = np.full((len(total), excess.shape[1]), 0.1, excess.dtype), 1 - np.finfo(excess.dtype).epsneg
     counts = data.counts[..., None]
     quotient = np.empty_like(excess)
     for _ in range(rounds):
@@ -206,6 +206,7 @@ def gains(data: Data, model: Mixture, places: tuple[Real, Real], width: float, r
         quotient += 1
         np.divide(excess, quotient, out=quotient)
         share = share * (1 + (1 - share) * data.by_period((quotient @ counts)[..., 0]) / total)
+        share = np.minimum(share, most)  # what has all of it would leave other bins impossible
     np.multiply(data.by_row(share)[..., None], excess, out=quotient)
     gain = (np.log1p(quotient, out=quotient) @ counts)[..., 0].sum(axis=0)
     return np.asarray(gain), share

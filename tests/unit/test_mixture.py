@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
@@ -50,6 +52,17 @@ def test_no_source_ever_loses_likelihood_and_the_missing_one_gains_most() -> Non
     assert gain.min() > -1e-2
     assert abs(float(difference(model_order.GRID[gain.argmax()], 2.0))) < np.deg2rad(6)
     assert share[:, gain.argmax()].mean() == pytest.approx(0.4, abs=0.1)
+
+
+def test_a_source_that_explains_everything_gains_what_can_be_counted() -> None:
+    azimuth, one, width = np.array([2.0]), np.ones(1), np.array([0.05])
+    nothing = itd_mixture.Data(GRID.astype(np.float32), HEADINGS, np.zeros((13, 61), np.float32))
+    data = replace(nothing, counts=200 * itd_mixture.kernels(nothing, azimuth, one, width)[:, 0])
+    elsewhere = itd_mixture.Mixture(np.array([-0.5]), one, width, np.tile([1 - 2e-7, 1e-7, 1e-7], (13, 1)))
+    gain, share = itd_mixture.gains(data, elsewhere, (model_order.GRID, np.ones(len(model_order.GRID))), 0.05)
+    assert np.isfinite(gain).all()
+    assert abs(float(difference(model_order.GRID[gain.argmax()], 2.0))) < np.deg2rad(6)
+    assert np.median(share[:, gain.argmax()]) > 0.99
 
 
 # ---------------------------------------------------------------------------------------------- amplitudes and rooms
