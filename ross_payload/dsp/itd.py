@@ -28,14 +28,28 @@ LOW = 500.0  # lowest frequency used [Hz]: below it a phase error is a large ITD
 class Trust:
     """What counts as trustworthy."""
 
-    neighbourhood: tuple[int, int] = (1, 3)  # bins by frames over which the covariance is averaged
+    neighbourhood: tuple[int, int] = (1, 3)  # bins by frames, see `around`, over which the covariance is averaged
     coherence: float = 0.98  # weight 0 below this local coherence
     decay: float = 0.060  # time in which the power of a room's tail is taken to fall to 1/e [s]
     quiet: float = 0.1  # quantile over time that stands for the noise when nobody measured it
     floor: float = 2.0  # power over the noise below which a bin has weight 0
 
 
+STEP = 0.25  # from one frame of a neighbourhood to the next, as a share of a frame
 STRICT = Trust(coherence=0.995)  # for what tells how many sources there are
+
+
+def around(trust: Trust, frequencies: Real, frame_period: float) -> tuple[int, int]:
+    """Bins by frames over which a covariance is averaged: more frames where they overlap by more than three quarters.
+
+    Their noise is nearly the same, and few of them are coherent whatever they hold.
+
+    >>> around(Trust(), np.array([500.0, 525.0]), 0.01), around(Trust(), np.array([500.0, 525.0]), 0.004)
+    ((1, 3), (1, 5))
+    """
+    bins, frames = trust.neighbourhood
+    step = frame_period * float(frequencies[1] - frequencies[0]) if len(frequencies) > 1 else STEP
+    return bins, max(2 * round((frames - 1) / 2 * STEP / step) + 1, frames)
 
 
 def itd_per_bin(spectrogram: Complex, frequencies: Real) -> Real:
@@ -129,8 +143,9 @@ def _clear(spectrogram: Complex, frequencies: Real, frame_period: float, trust: 
     """Local cross-spectrum and power of every bin, and its weight but for the energy, (n_freqs, n_frames) each."""
     reference, other = spectrogram
     product = other * reference.conj()
-    cross = _average(product.real, trust) + 1j * _average(product.imag, trust)
-    first, second = (_average(np.abs(channel) ** 2, trust) for channel in spectrogram)
+    size = around(trust, frequencies, frame_period)
+    cross = _average(product.real, size) + 1j * _average(product.imag, size)
+    first, second = (_average(np.abs(channel) ** 2, size) for channel in spectrogram)
     silence = TINY + SILENCE * max(first.max(), second.max())  # running sums leave rounding errors where nothing is
     first, second = np.maximum(first, silence), np.maximum(second, silence)
     power = (first + second) / 2
@@ -171,9 +186,9 @@ def lowest_psd(power: Real, trust: Trust) -> Real:
     return np.asarray(1.2 * uniform_filter1d(quiet, 15, axis=0))
 
 
-def lowest_noise(spectrogram: Complex, trust: Trust) -> Real:
+def lowest_noise(spectrogram: Complex, frequencies: Real, frame_period: float, trust: Trust) -> Real:
     """Noise PSD from the quietest frames of (2, n_freqs, n_frames), as `weighted_itd` guesses it, (n_freqs,)."""
-    power = _average((np.abs(spectrogram) ** 2).mean(axis=0), trust)
+    power = _average((np.abs(spectrogram) ** 2).mean(axis=0), around(trust, frequencies, frame_period))
     return lowest_psd(power, trust)[:, 0]
 
 
@@ -181,5 +196,5 @@ def _itd(cross: Complex, frequencies: Real) -> Real:
     return np.asarray(np.angle(cross) / (2 * np.pi * frequencies[:, None]))
 
 
-def _average(values: Real, trust: Trust) -> Real:
-    return np.asarray(uniform_filter(values, trust.neighbourhood, mode="nearest"))
+def _average(values: Real, size: tuple[int, int]) -> Real:
+    return np.asarray(uniform_filter(values, size, mode="nearest"))

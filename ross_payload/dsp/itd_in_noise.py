@@ -15,7 +15,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter
 
 from ross_payload.dsp.covariance import ROOT2
-from ross_payload.dsp.itd import TINY, Trust, tail
+from ross_payload.dsp.itd import TINY, Trust, around, tail
 from ross_payload.interfaces import Complex, Real
 
 SINGULAR = 1e-4  # of the product of the powers: least determinant of a noise covariance
@@ -66,9 +66,10 @@ def weighted_itd_in_noise(
     """
     whitening = Whitening.of(field)
     white = whitening.apply(spectrogram)
-    one, two = (_average(np.abs(channel) ** 2, trust) for channel in white)
+    size = around(trust, frequencies, frame_period)
+    one, two = (_average(np.abs(channel) ** 2, size) for channel in white)
     product = white[1] * white[0].conj()
-    cross = _average(product.real, trust) + 1j * _average(product.imag, trust)
+    cross = _average(product.real, size) + 1j * _average(product.imag, size)
     power = np.maximum((one + two) / 2, TINY)
     spread = np.sqrt(((one - two) / 2) ** 2 + np.abs(cross) ** 2)
     largest, least = power + spread, np.maximum(power - spread, 0)
@@ -84,5 +85,5 @@ def weighted_itd_in_noise(
     return np.asarray(itd), np.asarray(weight)
 
 
-def _average(values: Real, trust: Trust) -> Real:
-    return np.asarray(uniform_filter(values, trust.neighbourhood, mode="nearest"))
+def _average(values: Real, size: tuple[int, int]) -> Real:
+    return np.asarray(uniform_filter(values, size, mode="nearest"))

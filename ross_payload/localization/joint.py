@@ -106,7 +106,8 @@ class Joint:
         the sector in the middle.
         """
         if noise_psd is not None and spectrogram.shape[-1]:
-            noise_psd = np.maximum(noise_psd, lowest_noise(spectrogram, self.trust))
+            period = period_of(frequencies, frame_period)
+            noise_psd = np.maximum(noise_psd, lowest_noise(spectrogram, frequencies, period, self.trust))
         heard, headings = self._votes(spectrogram, frequencies, noise_psd, frame_period), headings[skip:]
         return together([
             self._observation(float(headings[part].mean()), heard.between(skip + part.start, skip + part.stop))

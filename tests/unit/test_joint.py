@@ -208,6 +208,15 @@ def test_noise_alone_is_nobody(seed: int) -> None:
     assert not estimate.certain
 
 
+def test_noise_alone_is_nobody_in_frames_that_overlap_by_nine_tenths() -> None:
+    joint, stft, generator = explorer.make(SPACING, SPEED), Stft(RATE, 512, 51), np.random.default_rng(0)
+    heard = []
+    for heading in np.deg2rad(15) * np.arange(7):
+        spectrogram = stft.analyse(generator.standard_normal((2, RATE), dtype=np.float32))
+        heard.append(joint.observe(spectrogram, stft.frequencies, heading, None, frame_period=stft.period))
+    assert joint.estimate(heard).k == 0
+
+
 def test_silence_is_nobody_and_has_no_evidence() -> None:
     joint = explorer.make(SPACING, SPEED)
     silence = np.zeros((2, len(STFT.frequencies), 100), complex)

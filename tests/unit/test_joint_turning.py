@@ -120,7 +120,7 @@ def test_the_noise_of_the_motor_has_no_vote() -> None:
 def test_the_lowest_noise_is_that_of_the_quiet_frames() -> None:
     spectrogram = np.ones((2, 40, 100), complex)
     spectrogram[..., 20:] *= 10.0
-    assert lowest_noise(spectrogram, Trust()) == pytest.approx(np.full(40, 1.2))
+    assert lowest_noise(spectrogram, 25.0 * np.arange(1, 41), 0.01, Trust()) == pytest.approx(np.full(40, 1.2))
 
 
 def test_rows_of_one_period_share_their_weights() -> None:
