@@ -103,6 +103,17 @@ class Config(Table):
         return self
 
     @model_validator(mode="after")
+    def _explorer_hears(self) -> Config:
+        spacing, speed, rate = self.array.spacing_m, self.array.speed_of_sound_m_s, self.audio.rate_hz
+        least = 2 * math.ceil(spacing * rate / speed)  # the first frequency is at most v_p / (2 d)
+        if self.explore.frame is not None and self.explore.frame < least:
+            raise ValueError(
+                f"explore.frame: expected at least {least} samples at {rate} Hz with {spacing:g} m between the "
+                f"microphones, as no frequency lies below their aliasing limit otherwise, got {self.explore.frame}"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _yaw_counts_once(self) -> Config:
         if self.actuator.kind != VEHICLE_YAW:
             return self

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from ross_payload.config import Config, load
+from ross_payload.config import Config, load, validated
+from ross_payload.dsp.stft import aliasing_limit
 from ross_payload.errors import ConfigError
 from ross_payload.localization.model_order import MAX_SOURCES
 
@@ -93,3 +94,15 @@ def test_a_mistake_is_told_with_what_was_expected_and_what_may_be_meant(tmp_path
     with pytest.raises(ConfigError) as caught:
         load(write(tmp_path / "a.toml", text))
     assert str(caught.value).endswith(line)
+
+
+def test_a_frame_of_the_explorer_that_holds_no_frequency_below_the_aliasing_limit_is_refused():
+    def config(frame, spacing):
+        values = {"array": {"spacing_m": spacing}, "audio": {"rate_hz": 48000}, "explore": {"frame": frame}}
+        return validated(Config, values, "a.toml")
+
+    with pytest.raises(ConfigError, match=r"explore.frame: expected at least 140 samples .* 0.5 m .*, got 138"):
+        config(138, 0.5)
+    held = config(140, 0.5)
+    first = held.audio.rate_hz / 140
+    assert first <= aliasing_limit(0.5, held.array.speed_of_sound_m_s)
