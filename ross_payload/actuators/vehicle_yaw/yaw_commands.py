@@ -125,7 +125,7 @@ class OffboardYaw:
         if self._place is not None:
             return ""
         if self.watch.mode == vehicle_control.OFFBOARD:
-            return "Offboard began before the place was known, or for somebody else: leave it, and choose it again"
+            return "Offboard began before the place was known, or for another program: leave it, and choose it again"
         return "the autopilot does not tell where it is (LOCAL_POSITION_NED)"
 
     def begin(self, now: float) -> list[Any]:
