@@ -13,6 +13,7 @@ import click
 
 from ross_payload import __version__, plugins
 from ross_payload.bounded_files import printable
+from ross_payload.end_signals import end_signals
 from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError, near, reason
 
 COMMANDS = "ross_payload.commands"
@@ -125,7 +126,8 @@ def enroll(name: str, file: Path | None, forget: bool, model: str) -> None:
 
 def main() -> None:
     """Run the command line; a user's mistake gets one line and exit code 2."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # the same clean end as Ctrl-C, also while setting up
+    for number in end_signals():  # the same clean end as Ctrl-C, also while setting up
+        signal.signal(number, signal.default_int_handler)
     try:
         code = ross.main(standalone_mode=False)
     except click.exceptions.NoArgsIsHelpError as error:  # `ross` alone, or `ross config`: what it says is the help

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from types import FrameType
 from typing import TypeVar
 
+from ross_payload.end_signals import end_signals
 from ross_payload.events import Event, StateChanged
 from ross_payload.interfaces import Cancel, Clock, Input
 
@@ -134,12 +135,12 @@ def _line(text: str) -> str:
 
 @contextmanager
 def on_signal(call: Callable[[str], object]) -> Iterator[None]:
-    """Call ``call`` with the name of every SIGINT and SIGTERM; afterwards they mean what they meant before."""
+    """Call ``call`` with the name of every signal to end; afterwards they mean what they meant before."""
 
     def handle(number: int, frame: FrameType | None) -> None:
         call(signal.Signals(number).name)
 
-    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, handle) for number in end_signals()}
     try:
         yield
     finally:

@@ -6,12 +6,13 @@ threads leave in a queue is taken out by whoever polls it.
 
 from __future__ import annotations
 
-import signal
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, TypeVar
+
+from ross_payload.end_signals import end_signals
 
 if TYPE_CHECKING:
     import asyncio
@@ -34,11 +35,11 @@ def begin(work: Callable[[], T]) -> Future[T]:
 
 
 def set_by_signal() -> asyncio.Event:
-    """Return an event of the running loop that SIGINT and SIGTERM set."""
+    """Return an event of the running loop that every signal to end sets."""
     import asyncio  # noqa: PLC0415 - a payload has no event loop
 
     event = asyncio.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in end_signals():
         asyncio.get_running_loop().add_signal_handler(number, event.set)
     return event
 

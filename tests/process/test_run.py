@@ -103,7 +103,7 @@ def test_what_must_last_is_in_the_state_folder_for_its_owner_alone(ended):
     assert (folder / "state").stat().st_mode & 0o777 == 0o700
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_signal_is_an_orderly_end(folder, number):
     with subprocess.Popen(
         [*ROSS, "run", written(folder, source="file:long.wav")],
