@@ -42,6 +42,7 @@ class SetPoints:
         self.sent = -math.inf  # when the last set-point went out [s]
         self.pace = ahead  # in which set-points go out lately [s]
         self._led = math.inf  # which time of the plan the last set-point was of [s]; infinity: there was none
+        self._asked: float | None = None  # the last set-point [rad]; None: none since it began from rest
 
     def turn(self, move: Move, position: float, velocity: float, now: float) -> None:
         """Go to a goal from ``position`` [rad] with ``velocity`` [rad/s]."""
@@ -77,14 +78,22 @@ class SetPoints:
         late = now - last - max(self.ahead, self.pace)
         return late if late > self.ahead / 2 + TIME_TOLERANCE_S and motion.end > last else 0.0
 
-    def catch_up(self, position: float, velocity: float, now: float) -> None:
-        """Begin anew from ``position`` [rad] with ``velocity`` [rad/s] after a pause in the middle of a motion.
+    def catch_up(self, now: float, seen: tuple[float, float] | None = None) -> None:
+        """Begin anew after a pause in the middle of a motion.
 
         A turn goes on to its goal; what was to brake stays where it has come to rest. A short delay delays the plan.
+
+        Parameters
+        ----------
+        now
+            [s].
+        seen
+            Where the device is [rad] and how fast it turns [rad/s]; None: at rest at the last set-point.
         """
         motion, late = self.motion, self.late(self.motion, now)
         if motion is None or not late:
             return
+        position, velocity = seen or (motion.plan.start if self._asked is None else self._asked, 0.0)
         if late <= self._pause:
             self.motion = Motion(motion.plan, motion.begin + late)
         elif self._turning:
@@ -103,7 +112,8 @@ class SetPoints:
             motion = self._slowed(motion, gap, now)
         begin = motion.plan.start  # from beyond the travel it may come back, and nothing goes farther
         ahead = motion.at(now + self.pace + self._lag)[0]
-        return min(max(ahead, min(self._able.lower, begin)), max(self._able.upper, begin))
+        self._asked = min(max(ahead, min(self._able.lower, begin)), max(self._able.upper, begin))
+        return self._asked
 
     def _slowed(self, motion: Motion, gap: float, now: float) -> Motion:
         """Return the motion, delayed where it would go on for longer than the gap since the last set-point."""
@@ -126,4 +136,4 @@ class SetPoints:
     def _go(self, plan: Trapezoid, now: float) -> None:
         self.motion, self._turning, self._led = Motion(plan, now), False, math.inf
         if not plan.velocity:  # a device that follows set-points would see a jump in their rhythm as one of speed
-            self.sent, self.pace = -math.inf, self.ahead
+            self.sent, self.pace, self._asked = -math.inf, self.ahead, None

@@ -175,6 +175,20 @@ def test_a_stop_after_the_payload_was_held_up_halts_as_any_other(rig: Rig, pause
     assert rig.far_end.complaints() == []
 
 
+def test_a_stop_after_the_payload_was_held_up_halts_also_while_nothing_is_heard(rig: Rig) -> None:
+    """What has come to rest without set-points is sent to no place that the plan has come to meanwhile."""
+    rig.actuator.command(rig.upper - 0.2)
+    rig.clock.sleep(0.8)
+    rig.wire.cut = True
+    rig.pause(1.0)
+    here = rig.far_end.angle()
+    rig.actuator.stop()
+    rig.clock.sleep(0.4)
+    rig.wire.cut = False
+    rig.clock.sleep(2.0)
+    assert abs(rig.far_end.angle() - here) <= rig.speed**2 / (2 * ACCELERATION) + (0.1 + rig.late) * rig.speed + SWING
+
+
 @pytest.mark.parametrize("pause", [0.4, *in_soak(0.15, 0.3), 1.0, *in_soak(3.0)])
 def test_a_stop_stays_one_when_the_payload_is_held_up_while_it_brakes(rig: Rig, pause: float) -> None:
     """What has come to rest without set-points does not turn on to where braking would have ended."""

@@ -39,7 +39,6 @@ class DronecanServo(Driver):
         self._home_until = math.inf  # a model's homing is over [s]
         self._noise = PositionNoise()
         self._behind = 0  # reports in a row that were too far behind
-        self._asked: float | None = None  # the last set-point [rad]; None: none since it was let go
         self._fault = ""
         self.capabilities = capabilities_of(options, options.resolution, Feedback(options.feedback))
         self._plan = SetPoints(self.capabilities, lag=options.lag_ms * 1e-3, pause=PAUSE_S)
@@ -56,7 +55,7 @@ class DronecanServo(Driver):
 
     def read(self, now: float) -> None:
         """Read the bus; remember the newest place; latch what is wrong with it or with the bus."""
-        self._go_on(now)
+        self._plan.catch_up(now)  # from the last set-point, where the servo stands
         client = self._client
         client.read(now)
         if client.event:
@@ -91,7 +90,7 @@ class DronecanServo(Driver):
 
     def leave(self, clock: Clock) -> Iterator[None]:
         """Decelerate along the trapezoid, which takes its time."""
-        self._go_on(clock.now())
+        self._plan.catch_up(clock.now())
         self.obey(Request.HALT, clock.now())
         yield
         while self._plan.motion is not None and clock.now() <= self._plan.motion.end + SET_POINT_PERIOD_S:
@@ -99,7 +98,7 @@ class DronecanServo(Driver):
 
     def close(self) -> None:
         """Leave the bus."""
-        self._plan.motion = self._asked = None
+        self._plan.motion = None
         self._client.close()
 
     # ------------------------------------------------------------------------------------------ what is heard
@@ -136,7 +135,7 @@ class DronecanServo(Driver):
 
     def _let_go(self) -> None:
         """Send no more set-points; the place of a model is not known any more."""
-        self._plan.motion = self._asked = None
+        self._plan.motion = None
         self._homed, self._home_until = False, math.inf
 
     # ------------------------------------------------------------------------------------------ plans
@@ -145,10 +144,6 @@ class DronecanServo(Driver):
         motion = self._plan.motion
         position, velocity = motion.at(now) if motion is not None else (self._angle, 0.0)
         self._plan.turn(move, position, velocity, now)
-
-    def _go_on(self, now: float) -> None:
-        """Go on from the last set-point, where the servo stands, if this program was held up."""
-        self._plan.catch_up(self._angle if self._asked is None else self._asked, 0.0, now)
 
     def _home(self, now: float) -> None:
         self._fault, self._homed = "", False
@@ -172,7 +167,6 @@ class DronecanServo(Driver):
         motion = self._plan.motion
         due = None if motion is None else self._plan.due(motion, SET_POINT_PERIOD_S, now)
         if due is not None:
-            self._asked = due
             self._client.command(due)
 
     def snapshot(self, now: float) -> ActuatorState:

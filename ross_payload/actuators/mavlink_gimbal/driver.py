@@ -82,9 +82,11 @@ class MavlinkGimbal(Driver):
         for received in self._port.receive():
             self._on_packet(received, now)
         self._plan.forget_late_brake(now)
-        doubtful = self._blind or self._feedback.restarted or diagnostics.contradiction(self._feedback)
-        if not doubtful and now - self._feedback.time <= diagnostics.STALE_REPORT_S:
-            self._plan.go_on(self._feedback, now)
+        seen = self._feedback
+        fresh = now - seen.time <= diagnostics.STALE_REPORT_S
+        if not (seen.restarted and fresh):  # that is a fault of the motion under way
+            known = fresh and not (self._blind or diagnostics.contradiction(seen))
+            self._plan.go_on(seen if known else None, now)
 
     def obey(self, request: Move | Request, now: float) -> None:
         """Plan, claim control or give it back; a release decelerates: the protocol switches no motors off."""

@@ -40,9 +40,9 @@ class YawSetPoints(SetPoints):
         else:
             self.settle(position, rate, now)
 
-    def go_on(self, seen: GimbalFeedback, now: float) -> None:
-        """Begin anew from where it is seen, if this program was held up in the middle of a motion."""
-        self.catch_up(*self._there(seen, now), now)
+    def go_on(self, seen: GimbalFeedback | None, now: float) -> None:
+        """Begin anew from where it is seen, or was sent last, if this program was held up in the middle of a motion."""
+        self.catch_up(now, None if seen is None else self._there(seen, now))
 
     def forget_late_brake(self, now: float) -> None:
         """Brake no more what somebody else turned, if this program was held up: they may have turned it since."""

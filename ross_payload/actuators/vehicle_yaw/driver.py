@@ -99,9 +99,11 @@ class VehicleYaw(Driver):
             self._on_packet(received, now)
         if self._plan.motion is None and not self._inside(self._feedback.angle):
             self._feedback.count_anew()  # others have turned it round
-        ours = not (self._yielded or self._objection_heard or self._stopping > -math.inf)
-        if ours and not diagnostics.contradiction(self._feedback) and now - self._feedback.time <= FRESH_S:
-            self._plan.go_on(self._feedback, now)
+        seen = self._feedback
+        ours = not (self._yielded or self._objection_heard)
+        known = ours and not diagnostics.contradiction(seen) and now - seen.time <= FRESH_S
+        if not self._stopping > -math.inf:
+            self._plan.go_on(seen if known else None, now)
 
     def obey(self, request: Move | Request, now: float) -> None:
         """Plan, hold it for a task or not; a release is a stop: a vehicle in the air lets nothing go."""

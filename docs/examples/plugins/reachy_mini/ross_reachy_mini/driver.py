@@ -58,7 +58,6 @@ class ReachyMini(Driver):
         self._options = options
         self.capabilities = capabilities_of(options, math.radians(options.resolution_deg), Feedback.MEASURED)
         self._angle, self._rate = 0.0, 0.0  # measured
-        self._set_point = 0.0  # the last one
         self._plan = SetPoints(self.capabilities, pause=PAUSE_S)
         self._forget()
 
@@ -73,7 +72,7 @@ class ReachyMini(Driver):
     def read(self, now):
         for state in self._port.receive():
             self._on_state(state, now)
-        self._plan.catch_up(self._angle if now - self._time <= FRESH_S else self._set_point, 0.0, now)
+        self._plan.catch_up(now, (self._angle, 0.0) if now - self._time <= FRESH_S else None)
 
     def obey(self, request, now):
         self._restless = now
@@ -204,7 +203,6 @@ class ReachyMini(Driver):
         """Send a set-point; all but the yaw stays as it was measured when the turn began."""
         body = yaw if self._options.body_follows else self._base
         self._port.send({"target_head_pose": self._held | {"yaw": yaw}, "target_body_yaw": body})
-        self._set_point = yaw
 
 
 backend = DriverBackend("Head of a Reachy Mini, through its daemon.", Options, ReachyMini)
