@@ -289,6 +289,18 @@ def test_a_turn_that_outlasts_its_task_is_the_pilot_s_too(kind):
     assert bench.yaw_deg == pytest.approx(there, abs=0.3), begin
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_turn_whose_task_ends_before_the_next_poll_is_made(kind):
+    bench = Bench(kind)
+    bench.actuator.take_control()
+    bench.clock.sleep(1.0)
+    bench.actuator.command(math.radians(20))
+    bench.actuator.release_control()
+    bench.clock.sleep(5.0)
+    assert bench.state.settled
+    assert bench.yaw_deg == pytest.approx(20.0, abs=1.0)
+
+
 def test_a_stick_that_an_autopilot_ignores_stops_the_vehicle_all_the_same():
     bench = in_a_turn("ardupilot", 0.0, ignores_stick=True)
     here, fastest = bench.yaw_deg, math.degrees(bench.state.rate)

@@ -145,7 +145,7 @@ class VehicleYaw(Driver):
             self._go_on_stopping(commands, now)
         elif self._asked_at == -math.inf:  # nothing else may be acknowledged meanwhile
             self._send_set_point(commands, now)
-        if not self._held and self._settled and not commands.streams:
+        if not (self._held or self._turning or commands.streams) and self._settled:
             self._plan.motion = None  # the autopilot holds it, until somebody turns it
 
     def snapshot(self, now: float) -> ActuatorState:
