@@ -27,7 +27,7 @@ from ross_payload.orders import Stop
 from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.state_folder import state_folder
-from ross_payload.service.stop_latch import StopLatch
+from ross_payload.service.stop_latch import STOPPED, StopLatch
 from ross_payload.timebase import Timebase
 
 POLL_PERIOD_S = 0.010  # [s]
@@ -105,8 +105,8 @@ def live(config: Config, plan: TurnPlan, ask: Callable[[], bool]) -> tuple[list[
         raise ConfigError("audio.source: expected microphones, got a file: a recording is read with --recording")
     clock, folder = SystemClock(), state_folder(config)
     sys.setswitchinterval(SWITCH_S)
-    if StopLatch(folder / "stopped").closed:
-        raise ActuatorFault("the payload was stopped by a command: re-arm it first")
+    if StopLatch.of(folder).closed:
+        raise ActuatorFault(STOPPED)
     with ExitStack() as stack:
         links = Router.open(config.links, clock, system_id=config.telemetry.system_id, state=folder)
         stack.enter_context(links)

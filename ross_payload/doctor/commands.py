@@ -79,7 +79,7 @@ def probe_command(*, config: Path, move: bool, home: bool, yes: bool, json: bool
 
     settings, results, findings = load(config), Results(), []
     question = "It will turn by 5 deg and back, twice, slowly. Is the way free?"
-    wishes = Wishes(home, lambda: move and (yes or click.confirm(question, err=True)))
+    wishes = Wishes(home, (lambda: yes or click.confirm(question, err=True)) if move else None)
     with open_services(settings) as services, closing(probe(settings, services, wishes, results)) as steps:
         for finding in steps:
             findings.append(finding)

@@ -1,7 +1,7 @@
 """What a person does first with something new that turns: open it, look at it, and only if asked move it.
 
-Everything goes through the guard. Nothing moves unless homing or a move is asked for, and whatever ends the probe, a
-stop comes first.
+Everything goes through the guard. Nothing moves unless homing or a move is asked for, nor what a command has stopped.
+Whatever ends the probe, a stop comes first.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -24,7 +24,8 @@ from ross_payload.doctor.probe_moves import Figures, Leg, figures, judge, make
 from ross_payload.errors import ActuatorError, RossError
 from ross_payload.interfaces import ActuatorState, Feedback, Services
 from ross_payload.mavlink import Router
-from ross_payload.service.state_folder import state_folder
+from ross_payload.service.state_folder import state_folder, state_path
+from ross_payload.service.stop_latch import STOPPED, StopLatch
 from ross_protocols.angle_text import rotation
 
 POLL_PERIOD_S = 0.010  # [s]
@@ -41,7 +42,7 @@ class Wishes:
     """What may move."""
 
     home: bool = False
-    move: Callable[[], bool] = field(default=lambda: False)  # asked when all is ready to move
+    move: Callable[[], bool] | None = None  # asked when all is ready to move
 
 
 @dataclass(slots=True)
@@ -83,6 +84,9 @@ def open_services(config: Config) -> Iterator[Services]:
 def probe(config: Config, services: Services, wishes: Wishes, results: Results) -> Generator[Finding]:
     """Open the actuator of a configuration, look at it, move it if that is wished; yield what is found."""
     results.kind = config.actuator.kind
+    if (wishes.home or wishes.move is not None) and StopLatch.of(state_path(config)).closed:
+        yield fail("stop", STOPPED, "start the payload and re-arm it; without --move and --home it can be looked at")
+        return
     try:
         guard = open_actuator(config, services)
     except RossError as error:
@@ -108,7 +112,7 @@ def _examined(guard: Guard, config: Config, services: Services, wishes: Wishes, 
         yield warn("zero", "its position is unknown", "`--home`, when nothing is in the way; it may turn")
     yield from _at_rest(guard, config, services, results)
     state = guard.state()
-    if state.healthy and state.homed and wishes.move():
+    if state.healthy and state.homed and wishes.move is not None and wishes.move():
         yield from _moved(guard, services, results)
 
 

@@ -65,7 +65,7 @@ def live(config: Config) -> int:
         sys.setswitchinterval(SWITCH)
         clock, manager = SystemClock(), Manager.of()
         watchdog = Watchdog(manager, clock, {MISSION: COMPUTE_LIMIT * config.audio.buffer_s})
-        latch = StopLatch(state_folder(config) / "stopped")
+        latch = StopLatch.of(state_folder(config))
         stack.callback(latch.close)
         again = threading.Event()  # somebody has asked for a restart; asked on the pump, read when all is over
         parts = stack.enter_context(_parts(config, clock, latch, watchdog, again))

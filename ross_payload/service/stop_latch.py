@@ -16,6 +16,7 @@ from ross_payload.orders import Order, Rearm, Stop
 
 RETRY_S = 1.0  # until it is tried again
 LAST_CALL_S = 2.0  # that the disk may take at the end
+STOPPED = "the payload was stopped by a command: re-arm it first"
 
 log = logging.getLogger(__name__)
 
@@ -51,6 +52,11 @@ class StopLatch:
         self._rearmed = False  # the latest order of its kind was to arm again, not to stop
         self._thread: threading.Thread | None = None
         self.failure = ""  # why the latest wish could not be saved
+
+    @classmethod
+    def of(cls, folder: Path) -> StopLatch:
+        """Return the one in a state folder, which need not be there to be looked at."""
+        return cls(folder / "stopped")
 
     @property
     def closed(self) -> bool:

@@ -124,3 +124,11 @@ def test_a_recording_in_the_place_of_microphones_is_refused_before_anything_turn
     code, _, err = called(monkeypatch, capsys, "calibrate", files[0], "--yes")
     assert code == 2
     assert "expected microphones, got a file: a recording is read with --recording" in err
+
+
+def test_a_payload_that_was_stopped_is_not_calibrated(tmp_path, monkeypatch, capsys):
+    (tmp_path / "stopped").touch()
+    config = tmp_path / "ross.toml"
+    config.write_text(f"[audio]\nsource = 'device:0'\n[service]\nstate_dir = '{tmp_path}'\n")
+    code, _, err = called(monkeypatch, capsys, "calibrate", config, "--yes")
+    assert (code, err) == (1, "ross: the payload was stopped by a command: re-arm it first\n")

@@ -272,6 +272,17 @@ def test_what_is_not_known_is_null() -> None:
     assert json.loads(as_json([], figures=Results().as_values()))["figures"]["noise_deg"] is None
 
 
+@pytest.mark.parametrize("option", ["--move", "--home"])
+def test_what_a_command_has_stopped_is_not_moved(tmp_path: Path, option: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
+    (tmp_path / "stopped").touch()
+    file = tmp_path / "bench.toml"
+    file.write_text('[actuator]\nkind = "tb6600"\n')
+    done = CliRunner().invoke(probe_command, [str(file), option, "--yes", "--json"], standalone_mode=False)
+    assert [check["check"] for check in json.loads(done.output)["checks"]] == ["stop"]
+    assert done.return_value == EXIT_CODES["fail"]
+
+
 def test_who_cannot_answer_is_not_moved(tmp_path: Path) -> None:
     file = tmp_path / "bench.toml"
     file.write_text('[actuator]\nkind = "tb6600"\n')
