@@ -64,6 +64,7 @@ class Guard:
         self._monitor = MotionMonitor(rules)
         self._shared = actuator if isinstance(actuator, SharedControl) else None
         self._held = True  # for a task, as far as the driver knows; False: others may turn it
+        self._zero_doubted = False  # the zero that the driver was told is not believed before it is homed
 
     @property
     def stopped(self) -> bool:
@@ -93,6 +94,8 @@ class Guard:
     def state(self) -> ActuatorState:
         """Return the last known state; never settled on a report that is stale, unhealthy or older than the goal."""
         state = self._read()
+        if self._zero_doubted and state.homed:
+            state = replace(state, homed=False)
         latched = "; ".join(part for part in (self._fault, self._later) if part)
         fault = latched or state.fault or self._doubt(state)
         if not (fault or state.healthy):
@@ -133,6 +136,10 @@ class Guard:
             self._held = False
             self._monitor.expect_others()
 
+    def doubt_zero(self) -> None:
+        """Call the zero unknown until `home`, though the driver was told where it is; the torque stays as it is."""
+        self._zero_doubted = True
+
     def rearm(self) -> None:
         """Accept commands again after a stop or a fault.
 
@@ -164,6 +171,7 @@ class Guard:
         self._monitor.expect_homing()
         self._held = True
         self._request(self._actuator.home)
+        self._zero_doubted = False
         if self._stopped:
             self._halt()
             self._refuse_when_stopped()
@@ -313,7 +321,8 @@ class Guard:
 
     def _may_park(self) -> bool:
         state = self._read()
-        return state.healthy and state.homed and not self._doubt(state) and not self._stopped
+        known = state.homed and not self._zero_doubted
+        return state.healthy and known and not self._doubt(state) and not self._stopped
 
     def _park(self) -> None:
         park, able = math.radians(self._rules.park_deg), self.capabilities

@@ -139,6 +139,7 @@ def _parts(
             live=True,
             late=watchdog.late,
             restart=again.set,
+            ended=lambda: not again.is_set(),
             stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",
         )
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.actuators.guard import Guard
-from ross_payload.actuators.registry import open_actuator
+from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.audio.audio_health import HealthMonitor
 from ross_payload.audio.live_source import Watched
 from ross_payload.audio.shared_source import SharedSource
@@ -39,6 +39,7 @@ from ross_payload.service.live_listening import described, heard, listening_of, 
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.service.voice_keeper import VoiceKeeper
+from ross_payload.service.zero_mark import ZeroMark
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.recorder import Recorder
 from ross_payload.sessions.session_store import SessionStore
@@ -78,6 +79,7 @@ class Parts:
     computer: Callable[[], Computer] | None = None  # how it is; None: what is said must not depend on the machine
     late: Callable[[], tuple[str, ...]] | None = None  # who makes no progress, for whoever asks; None: nobody can
     restart: Callable[[], None] | None = None  # has this program started again when it ends; None: nobody would
+    ended: Callable[[], bool] = lambda: True  # whether it ends for good, and is not started again by itself
 
 
 @contextmanager
@@ -119,6 +121,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.callback(clock.every(POLL, parts.links.poll))
         stack.callback(clock.every(LOOK, Changes(parts.links.status, monitor.health, recorder.status).poll))
         runner.observers += stack.enter_context(_asked(parts, monitor, recorder))
+        runner.observers += stack.enter_context(_marked(parts, actuator))
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
         stack.callback(clock.every(POLL, runner.poll))
         _wait_for_report(actuator, clock)
@@ -149,6 +152,19 @@ def _asked(parts: Parts, monitor: HealthMonitor, recorder: Recorder) -> Iterator
     with HealthSocket(parts.state, condition.values) as wire, ExitStack() as stack:
         stack.callback(parts.clock.every(POLL_S, wire.poll))
         yield [condition]
+
+
+@contextmanager
+def _marked(parts: Parts, actuator: Guard) -> Iterator[list[Observer]]:
+    """Remember over a crash that the array is away from a zero that is declared; who watches for that is given."""
+    declared = getattr(checked_options(parts.parameters.config), "zero", "") == "declared"
+    if parts.state is None or not (parts.live and declared):
+        yield []
+        return
+    mark = ZeroMark(parts.state, actuator)
+    yield [mark]
+    if parts.ended():
+        mark.forget()
 
 
 def _wait_for_report(actuator: Guard, clock: Clock) -> None:
