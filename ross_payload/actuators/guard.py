@@ -92,7 +92,7 @@ class Guard:
             self._refuse_when_latched()
 
     def state(self) -> ActuatorState:
-        """Return the last known state; never settled on a report that is stale, unhealthy or older than the goal."""
+        """Return the last known state; never settled on a report that is stale, unhealthy or older than a request."""
         state = self._read()
         if self._zero_doubted and state.homed:
             state = replace(state, homed=False)

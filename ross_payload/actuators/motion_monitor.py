@@ -76,10 +76,11 @@ class MotionMonitor:
         self.stopped, self._turning_since = False, math.inf
 
     def expect_rest(self, now: float, able: Capabilities) -> None:
-        """Expect rest within twice the time that braking takes and a second."""
+        """Expect rest, and a report of it, within twice the time that braking takes and a second."""
         rest_by = min(self._rest_by, now + 2 * able.max_speed / able.max_acceleration + 1.0)
         self.forget()
         self._rest_by = rest_by
+        self.since = max(self.since, now)
 
     def turns_on(self, now: float) -> bool:
         """Whether it was not at rest in time; asked once in `TOLD_AGAIN_S`."""

@@ -49,6 +49,18 @@ def test_a_report_made_before_the_command_is_not_taken_for_its_answer() -> None:
     assert on.guard.state().settled
 
 
+@pytest.mark.parametrize("end", ["stop", "halt"])
+def test_a_report_made_before_a_stop_is_not_taken_for_rest(end: str) -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.clock.sleep(0.01)
+    on.device.now = replace(on.device.now, settled=True)  # it has not seen yet that it turns
+    on.device.silent = True
+    on.clock.sleep(0.1)
+    getattr(on.guard, end)()
+    assert not on.guard.state().settled
+
+
 @pytest.mark.parametrize(
     ("action", "asked"), [("hold", "stop"), ("release", "release"), ("park", f"go 0.50 at {math.radians(225):.2f}")]
 )
