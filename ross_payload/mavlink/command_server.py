@@ -39,6 +39,11 @@ def ignore_cancel(request: CancelRequest, received: Received) -> None:
     """Cancel nothing: no command of the component takes time."""
 
 
+def know_nothing(command: Command, received: Received, now: float) -> bool:
+    """Take nothing for a repetition: every command is answered at once."""
+    return False
+
+
 def explain_nothing(command: Command, reason: str) -> None:
     """Refuse in silence: nobody reads what the component says."""
 
@@ -56,6 +61,8 @@ class CommandServer:
         Numbers of commands that are obeyed however often they arrive; their handler sees to what is answered.
     on_cancel
         Ends a command that is in progress.
+    repeated
+        Answers a command that is only sent again; tells whether it is.
     explain
         Tells an operator why a command is refused.
     """
@@ -67,12 +74,14 @@ class CommandServer:
         *,
         urgent: frozenset[int] = frozenset(),
         on_cancel: Callable[[CancelRequest, Received], None] = ignore_cancel,
+        repeated: Callable[[Command, Received, float], bool] = know_nothing,
         explain: Callable[[Command, str], None] = explain_nothing,
     ) -> None:
         self._component = component
         self._handlers = handlers
         self._urgent = urgent
         self._on_cancel = on_cancel
+        self._repeated = repeated
         self._explain = explain
         self._buckets: OrderedDict[ComponentId, TokenBucket] = OrderedDict()
         self._now = 0.0
@@ -115,7 +124,9 @@ class CommandServer:
         self._component.send(acknowledgement(command.number, result, sender, progress))
 
     def _verdict(self, command: Command, received: Received) -> Verdict | None:
+        if received.waited and self._repeated(command, received, self._now):
+            return None
         if not received.may_order:
-            return Verdict(Result.DENIED, received.refusal)
+            return Verdict(Result.TEMPORARILY_REJECTED if received.waited else Result.DENIED, received.refusal)
         handler = self._handlers.get(command.number)
         return Verdict(Result.UNSUPPORTED) if handler is None else handler(command, received, self._now)

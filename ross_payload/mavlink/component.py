@@ -25,6 +25,7 @@ class Received:
     may_order: bool
     refusal: str = ""  # why nobody may at present
     peer: Peer = None  # of the link, by which it came
+    waited: bool = False  # while this program stood still: its sender may have given it up
 
     @property
     def way(self) -> Way:

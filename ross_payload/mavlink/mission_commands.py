@@ -117,7 +117,12 @@ class MissionCommands:
         handlers: dict[int, Handler] = {REBOOT: _reboot, **requests.handlers}
         handlers |= dict.fromkeys(READERS, self._command) | {STOP: self._stop}
         self._server = CommandServer(
-            component, handlers, urgent=frozenset({STOP}), on_cancel=self._cancel, explain=self._explain
+            component,
+            handlers,
+            urgent=frozenset({STOP}),
+            on_cancel=self._cancel,
+            repeated=self._repeated,
+            explain=self._explain,
         )
 
     def on_event(self, event: Event) -> None:
@@ -188,11 +193,9 @@ class MissionCommands:
 
     def _command(self, command: Command, received: Received, now: float) -> None:
         """Obey or refuse a command of our dialect, unless it is only sent again."""
-        origin = self._origin
-        known = None if origin is None else self._recent.repeated(command, origin, now)
-        if known is not None:
-            self._send(known)
+        if self._repeated(command, received, now):
             return
+        origin = self._origin
         if origin is None or self._recent.before(command, origin, now):
             return  # its sender has asked for something else since
         entry = Entry(command, origin, now)
@@ -205,6 +208,13 @@ class MissionCommands:
             self._server.answer(command, origin.sender, verdict)
         elif before is not None and before.order is not None:
             self._open.pop(before.order.number, None)  # its end would look like the end of the new one
+
+    def _repeated(self, command: Command, received: Received, now: float) -> bool:
+        """Answer a command that is only sent again; tell whether it is."""
+        known = None if self._origin is None else self._recent.repeated(command, self._origin, now)
+        if known is not None:
+            self._send(known)
+        return known is not None
 
     def _obey(self, entry: Entry) -> Verdict | None:
         """Return what becomes of a command; None: the mission has it."""

@@ -256,10 +256,11 @@ class Router(AbstractContextManager["Router"]):
             link.meet(packet, arrived.peer, now)
         self._latch(link, packet)
         may_order, refusal = link.may_order(arrived), arrived.refusal
-        if may_order and now < self._stale_until and not is_stop(packet.message):
+        waited = may_order and now < self._stale_until and not is_stop(packet.message)
+        if waited:
             may_order, refusal = False, self._held_up
         where = link.config.url, link.config.role
-        self.dispatcher.dispatch(Received(*where, packet, may_order, refusal, arrived.peer))
+        self.dispatcher.dispatch(Received(*where, packet, may_order, refusal, arrived.peer, waited))
 
     def _latch(self, link: Channel, packet: Packet) -> None:
         if self.system_id or link.config.role != "autopilot" or packet.component_id != AUTOPILOT:

@@ -2,6 +2,7 @@
 
 import pytest
 
+from command_bench import ACCEPTED, IN_PROGRESS, TEMPORARILY_REJECTED, Payload
 from links_bench import Bench
 from ross_payload.config import Link
 from ross_payload.mavlink.router import CATCHING_UP, HELD_UP
@@ -60,3 +61,21 @@ def test_who_may_not_order_is_told_no_other_reason():
     bench.links.poll()
     assert after(bench, 12.0, TURN) == [False]
     assert (bench.heard[0].packet.message.get_msgId(), bench.heard[0].refusal) == (COMMAND_LONG, "")
+
+
+def test_what_is_under_way_is_not_refused_when_it_waited_to_be_said_again(sky):
+    """Its sender would take it for refused, and the array would turn all the same."""
+    payload = Payload(sky())
+    payload.command(ross.MAV_CMD_ROSS_TURN, 40, seconds=0.1)
+    payload.clock.sleep(HELD_UP + 2.0)
+    assert payload.command(ross.MAV_CMD_ROSS_TURN, 40, confirmation=1) == [IN_PROGRESS, ACCEPTED]
+    assert len(payload.given) == 1
+
+
+def test_a_new_command_that_waited_is_refused_for_the_moment(sky):
+    payload = Payload(sky())
+    payload.command(ross.MAV_CMD_ROSS_TURN, 40)
+    payload.clock.sleep(HELD_UP + 9.0)
+    assert payload.command(ross.MAV_CMD_ROSS_TURN, -40) == [TEMPORARILY_REJECTED]
+    assert payload.texts == ["turn refused: the payload stood still for 12 s: send it again"]
+    assert len(payload.given) == 1
