@@ -200,13 +200,17 @@ class FtpServer:
     def _read(self, request: Packet, key: _Key, session: Session) -> Packet | None:
         """Answer with a portion, or put it in line; the portions of a burst follow in time.
 
-        A burst goes on beside single portions: clients ask for the gaps while it comes.
+        A burst goes on beside single portions: clients ask for the gaps while it comes. Its end is put off when
+        a client asks for what follows the portions that have come.
         """
         if session.content is None:
             return _refused(request, Error.INVALID_SESSION)
         in_memory = isinstance(session.content, InMemory)
         if request.opcode == Opcode.BURST_READ:
-            session.burst, session.ends = request, self._now + LONGEST_BURST
+            session.ends = self._now + LONGEST_BURST
+            if session.goes_on(request):
+                return None
+            session.burst = request
             answer = self._portion(session, session.content, request) if in_memory else None
             if answer is not None:
                 session.sent(request, answer)

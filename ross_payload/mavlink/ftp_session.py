@@ -47,6 +47,7 @@ class Session:
     name: str = ""  # of the content, as it was asked for
     reads: deque[Packet] = field(default_factory=deque)  # portions that were asked for one by one
     burst: Packet | None = None  # the next portion of a burst, as a request
+    asked: int = 0  # offset of the latest request for a burst
     ends: float = -math.inf  # the burst [s]
     job: tuple[Packet, Future[Content | bytes]] | None = None  # what it asks of the disk
     last_answer: tuple[Packet, Packet, float] | None = None  # the last request to the disk, its answer, when [s]
@@ -60,6 +61,17 @@ class Session:
     def next(self) -> Packet | None:
         """The next portion, as a request: a gap goes before the burst that has left it."""
         return self.reads[0] if self.reads else self.burst
+
+    def goes_on(self, request: Packet) -> bool:
+        """Let a burst go on that has come up to the offset of a request; False: it has to begin there.
+
+        Who asks for the same offset again has not got what is there.
+        """
+        before, self.asked = self.asked, request.offset
+        if self.burst is None or not before < request.offset <= self.burst.offset:
+            return False
+        self.burst = replace(request, offset=self.burst.offset)
+        return True
 
     def sent(self, request: Packet, answer: Packet) -> None:
         """Go on behind an answered portion."""

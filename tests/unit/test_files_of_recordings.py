@@ -200,6 +200,22 @@ def test_a_burst_goes_on_while_its_gaps_are_read(payload):
     assert len(burst) > 150
 
 
+def test_a_burst_that_is_asked_to_go_on_goes_on_and_whoever_asks_twice_has_lost_what_is_there(sky, folder):
+    payload = Payload(sky(), folder, speed=5000.0)
+    payload.ask(Opcode.OPEN_RO, PATH)
+    payload.ask(Opcode.READ, size=10)  # the first block is here
+    payload.ground.send(message_of(Packet(7, Opcode.BURST_READ, size=239), ComponentId(1, 191)))
+    told = [packet_of(message) for message in payload.wait(2.0)]
+    offset = told[-3].offset  # two more are under way
+    again = message_of(Packet(900, Opcode.BURST_READ, size=239, offset=offset), ComponentId(1, 191))
+    payload.ground.send(again)
+    more = [packet_of(message) for message in payload.wait(2.0)]
+    assert [each.offset for each in told + more] == list(range(0, len(told + more) * 239, 239))
+    assert more[0].sequence == 901
+    payload.ground.send(again)
+    assert packet_of(payload.wait(0.2)[0]).offset == offset
+
+
 def test_a_burst_for_a_client_that_has_gone_ends(sky, folder):
     payload = Payload(sky(), folder, speed=5000.0)
     payload.ask(Opcode.OPEN_RO, PATH)

@@ -1,7 +1,8 @@
 """The client of MAVLink FTP, as far as reading one file needs it. No port, no clock.
 
-A burst brings most of a file; what is missing is then asked for piece by piece. What comes doubled, late, or from
-another session changes nothing.
+A burst brings most of a file; while it comes, its end is put off by asking for what follows, so that no way there and
+back is waited for. What is missing is then asked for piece by piece. What comes doubled, late, or from another session
+changes nothing.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from ross_protocols.mavlink.ftp import MOST, Error, Opcode, Packet, message_of, 
 
 MOST_BYTES = 1_000_000  # of a file
 ANSWER_TIMEOUT_S = 1.0  # [s] for an answer
+GOING_ON_S = 1.0  # [s] between two requests for more of a burst; the payload ends it 2.5 s after the latest one
 MOST_UNANSWERED = 8  # requests in a row, until it is given up
 MOST_REOPENS = 4  # times, when the other side forgets what is open
 BURST_FROM = 4 * MOST  # a gap that is worth a burst [bytes]
@@ -43,7 +45,7 @@ class FileReader:
         self._session = 0
         self._file: bytearray | None = None  # None: it is not open
         self._gaps: list[tuple[int, int]] = []  # from, to [bytes]
-        self._due = -math.inf
+        self._due = self._asked = -math.inf
         self._tried = self._opened = 0
 
     @property
@@ -81,7 +83,7 @@ class FileReader:
 
     def _ask(self, now: float) -> None:
         self._tried += 1
-        self._due = now + ANSWER_TIMEOUT_S
+        self._asked, self._due = now, now + ANSWER_TIMEOUT_S
         if self._file is None:
             name = self._path.encode("ascii", "replace")[:MOST]
             self._opens.add((self.sequence + 2) % 65536)
@@ -119,6 +121,9 @@ class FileReader:
         bursting = answer.asked == Opcode.BURST_READ and not answer.burst_complete
         if bursting and self._gaps:
             self._due = now + ANSWER_TIMEOUT_S
+            if self._gaps != before and end < len(self._file) and now - self._asked >= GOING_ON_S:
+                self._asked = now
+                self._request(Opcode.BURST_READ, size=MOST, offset=end)
         elif self._gaps != before:
             self._go_on(now)
 

@@ -2,6 +2,7 @@
 
 import json
 import struct
+from collections import deque
 from types import SimpleNamespace
 
 import pytest
@@ -13,6 +14,7 @@ from ross_payload.config.parameter_table import TABLE
 from ross_payload.ground.client.component_metadata import Metadata, described_in, parameter_place, place_of
 from ross_payload.ground.client.ftp_client import MOST_BYTES, FileReader
 from ross_payload.mavlink.component_info import PARAMETERS, files
+from ross_payload.mavlink.ftp_server import SPEED
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.commands import Result, acknowledgement
 from ross_protocols.mavlink.component_id import ComponentId
@@ -48,7 +50,27 @@ def test_a_file_is_read_whole(sky):
     reading = reading_of(rig, "/long.bin")
     assert rig.station.wait(10, lambda: reading.over)
     assert reading.content == LONG
-    assert len(rig.station.sent) == 4, "open, two bursts of at most 2.5 s, terminate"
+    assert len(rig.station.sent) == 6, "open, a burst of 4 s, asked three times to go on, terminate"
+
+
+def test_a_burst_does_not_wait_for_the_way_there_and_back(sky):
+    rig = rig_of(sky)
+    air, clock, up, down, portions = rig.payload.ground.air, rig.payload.clock, deque(), deque(), []
+
+    def far(way, under_way):
+        fresh, way[:] = [(clock.now() + 0.4, frame) for frame in way], []
+        under_way.extend(fresh)
+        while under_way and under_way[0][0] <= clock.now():
+            way.append(under_way.popleft()[1])
+
+    receive, listen = air.receive, air.listen
+    air.receive = lambda: (far(air.up, up), receive())[1]
+    air.listen = lambda: (far(air.down, down), portions.extend(air.down), listen())[2]
+    reading = reading_of(rig, "/long.bin")
+    assert rig.station.wait(20, lambda: reading.over)
+    assert reading.content == LONG
+    assert clock.now() < 2 * 0.8 + len(LONG) / SPEED * 263 / 239 + 0.3
+    assert len(portions) == 1 + -(-len(LONG) // 239), "each of them comes once"
 
 
 def test_an_empty_file_is_whole_at_once(sky):
