@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict, deque
 from collections.abc import Hashable, Iterable
 from copy import deepcopy
@@ -66,8 +67,10 @@ class DecoderState:
     status: Status | None = None  # its latest
     status_at: float = -1e9  # when that came [s]
     way: Hashable = None  # on which it came, or the start that was noticed
+    by_way: dict[Hashable, Status] = field(default_factory=dict)  # the latest of ways that brought the same lately
     started_at: float = -1e9  # when it was noticed that it has started anew [s]
     backs: deque[float] = field(default_factory=lambda: deque(maxlen=TWIN_TIMES))  # when its time went back [s]
+    leapt_at: float = -1e9  # when its time was much farther ahead on another way than has passed [s]
     twin_at: float = -1e9  # when two senders of its id were noticed last [s]
     texts: Texts = field(default_factory=Texts)
     presence: Presence = field(default_factory=Presence)
@@ -98,9 +101,13 @@ class DecoderState:
         """Tell whether a status was said before the latest one: it was on its way for longer.
 
         On another way, which may be slower, that is also so where time stamps do not tell, as the clock was just set,
-        and of what was said before a start that was just noticed.
+        and of what was said before a start that was just noticed. Who listens may have stood still, and hear what
+        waited way by way: then each goes on from where it was.
         """
-        if is_late(self.status, status):
+        own = self.by_way.get(way)
+        goes_on = own is not None and (own.time_usec <= status.time_usec or is_late(own, status))
+        if is_late(self.status, status, most=math.inf if goes_on else LATE_US):
+            self._note(status, way)
             return True
         if way == self.way:
             return False
@@ -111,31 +118,50 @@ class DecoderState:
         undated = status.time_unix != self.status.time_unix or status.time_usec == self.status.time_usec
         return (undated and -LATE_S < ahead < 0) or (starting and ahead > BACKWARD_S + at - self.status_at)
 
+    def _note(self, status: Status, way: Hashable) -> None:
+        """Note what came on a way."""
+        self.by_way.pop(way, None)
+        self.by_way[way] = status
+        if len(self.by_way) > WAYS:
+            del self.by_way[next(iter(self.by_way))]
+
     def note_start(self, at: float, way: Hashable) -> None:
         """Note that it has started anew, and forget its status."""
         self.status, self.started_at, self.way = None, at, way
+        self.by_way.clear()
 
     def went_back(self, status: Status, at: float, way: Hashable) -> bool:
         """Whether a status is of a time before the latest one: its time stamp, or the audio that was heard."""
-        before, self.status, self.status_at, self.way = self.status, status, at, way
+        before, since, other = self.status, at - self.status_at, way != self.way
+        self.status, self.status_at, self.way = status, at, way
         if before is None:
+            self._note(status, way)
             return False
         stamped = (before.time_usec - status.time_usec) / 1e6 if before.time_unix == status.time_unix else 0.0
-        back = max(stamped, mission_time_between(status.mission_time, before.mission_time)) > BACKWARD_S
+        heard = mission_time_between(status.mission_time, before.mission_time)
+        back = max(stamped, heard) > BACKWARD_S
+        leapt = other and min(stamped, heard) < -(since + LATE_S)
         if back:
             self.backs.append(at)
+        if leapt:
+            self.leapt_at = at
+        if back or leapt:
+            self.by_way.clear()  # another one may speak there
+        else:
+            self._note(status, way)
         return back
 
     def is_twin(self, at: float) -> bool:
-        """Whether time went back so often that two must be speaking."""
-        return len(self.backs) == TWIN_TIMES and at - self.backs[0] < TWIN_SPAN_S
+        """Whether time went back so often, or back again after a leap ahead, that two must be speaking."""
+        often = len(self.backs) == TWIN_TIMES and at - self.backs[0] < TWIN_SPAN_S
+        return often or at - self.leapt_at < TWIN_SPAN_S
 
 
-def is_late(before: Status | None, status: Status) -> bool:
+def is_late(before: Status | None, status: Status, most: float = LATE_US) -> bool:
     """Tell whether a status was said before another one that came before it: it was on its way for longer.
 
     Then it is behind by both clocks alike, unless the audio stood still. After a restart one of them goes on, or both
-    are behind by more: a computer is not switched on again within `LATE_US` of its start.
+    are behind by more than ``most`` [us]: a computer is not switched on again within `LATE_US` of its start.
 
     >>> at = [Status(round(time * 1e6), time - 50.0, state=1, earth=True) for time in (100.0, 97.5, 60.0)]
     >>> is_late(at[0], at[1]), is_late(at[1], at[0]), is_late(at[0], at[2])
@@ -145,7 +171,7 @@ def is_late(before: Status | None, status: Status) -> bool:
         return False
     stamped = before.time_usec - status.time_usec
     heard = mission_time_between(status.mission_time, before.mission_time)
-    return 0 < stamped < LATE_US and -BACKWARD_S <= heard <= stamped / 1e6 + BACKWARD_S
+    return 0 < stamped < most and -BACKWARD_S <= heard <= stamped / 1e6 + BACKWARD_S
 
 
 def without_listener(senders: Iterable[ComponentId], stations: Iterable[ComponentId]) -> set[ComponentId]:

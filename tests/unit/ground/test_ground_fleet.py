@@ -180,11 +180,42 @@ def test_on_a_slower_link_a_clock_that_is_set_is_no_new_start_and_a_new_start_is
     assert (ground.known.boots, ground.known.flaws) == (2 if event == "started anew" else 1, ())
 
 
+@pytest.mark.parametrize("frozen", [5.0, 15.0, 40.0])
+@pytest.mark.parametrize("event", ["nothing", "started anew"])
+def test_who_stood_still_and_hears_what_waited_link_by_link_takes_nothing_for_a_new_start(ground, event, frozen):
+    arrivals = []
+    for step in range(400):
+        time = step / 4
+        anew = event == "started anew" and time >= 80
+        for way, late in (("udp", 0.0), ("radio", 0.3)):
+            at = 30 + frozen + (late and 0.05) if 30 < time + late < 30 + frozen else time + late
+            begin = -78 if anew else 1000
+            arrivals.append((at, way, status(begin + time, mission_time=begin + time - (0 if anew else 50))))
+    for at, way, said in sorted(arrivals, key=lambda arrival: arrival[0]):
+        for packet in ground.decoder.feed(ground.frames(said, sender=way)[0]):
+            ground.fleet.on_packet(packet, at, way=way)
+    assert (ground.known.boots, ground.known.flaws) == (2 if event == "started anew" else 1, ())
+
+
 def test_a_frame_that_was_overtaken_by_the_end_of_a_mission_begins_no_other(ground):
     ground.say(status(100.0, state=0), status(101.0), status(160.0), status(160.9, state=7), status(160.8))
     ground.say(status(161.0, state=7))
     assert ground.view["mission"]["elapsed"] == pytest.approx(59.9)
     assert [each["state"] for each in ground.view["history"]][-2:] == ["explore_turn", "done"]
+
+
+@pytest.mark.parametrize("apart", [20, 200, -200])
+@pytest.mark.parametrize("began", [50, 70])
+def test_two_payloads_of_one_id_on_two_links_are_noticed_and_do_not_start_anew_all_the_time(ground, apart, began):
+    for step in range(100):
+        for way, at, begin in (("udp", step / 4, 50), ("radio", step / 4 + 0.1, began)):
+            told = status(
+                1000 + at + apart * (way == "radio"), mission_time=1000 + at + apart * (way == "radio") - begin
+            )
+            for packet in ground.decoder.feed(ground.frames(told, sender=way)[0]):
+                ground.fleet.on_packet(packet, at, way=way)
+    assert (ground.known.twin, len(ground.known.flaws)) == (True, 1)
+    assert ground.known.boots <= 3
 
 
 def test_two_payloads_of_one_id_on_one_wire_are_noticed_and_named(ground):
