@@ -160,8 +160,9 @@ class DecoderState:
 def is_late(before: Status | None, status: Status, most: float = LATE_US) -> bool:
     """Tell whether a status was said before another one that came before it: it was on its way for longer.
 
-    Then it is behind by both clocks alike, unless the audio stood still. After a restart one of them goes on, or both
-    are behind by more than ``most`` [us]: a computer is not switched on again within `LATE_US` of its start.
+    Then it is behind by both clocks alike, unless the audio stood still, or caught up after the payload had stood still
+    itself, for at most `LATE_S`. After a restart one of them goes on, or both are behind by more than ``most`` [us]: a
+    computer is not switched on again within `LATE_US` of its start.
 
     >>> at = [Status(round(time * 1e6), time - 50.0, state=1, earth=True) for time in (100.0, 97.5, 60.0)]
     >>> is_late(at[0], at[1]), is_late(at[1], at[0]), is_late(at[0], at[2])
@@ -171,7 +172,7 @@ def is_late(before: Status | None, status: Status, most: float = LATE_US) -> boo
         return False
     stamped = before.time_usec - status.time_usec
     heard = mission_time_between(status.mission_time, before.mission_time)
-    return 0 < stamped < most and -BACKWARD_S <= heard <= stamped / 1e6 + BACKWARD_S
+    return 0 < stamped < most and -BACKWARD_S <= heard <= stamped / 1e6 + LATE_S
 
 
 def without_listener(senders: Iterable[ComponentId], stations: Iterable[ComponentId]) -> set[ComponentId]:

@@ -197,6 +197,20 @@ def test_who_stood_still_and_hears_what_waited_link_by_link_takes_nothing_for_a_
     assert (ground.known.boots, ground.known.flaws) == (2 if event == "started anew" else 1, ())
 
 
+@pytest.mark.parametrize("lag", [0.4, 2.0])
+def test_a_payload_that_stood_still_has_not_started_anew_where_one_of_two_links_is_slower(ground, lag):
+    """Its clock has gone on at once; the audio catches up."""
+    arrivals = []
+    for step in range(100):
+        time = step / 4 + 5.0 * (step >= 40)
+        told = status(1000 + time, mission_time=time + 50 - (5.0 if 40 <= step < 43 else 0.0))
+        arrivals += [(time, "udp", told), (time + lag, "radio", told)]
+    for at, way, said in sorted(arrivals, key=lambda arrival: arrival[0]):
+        for packet in ground.decoder.feed(ground.frames(said, sender=way)[0]):
+            ground.fleet.on_packet(packet, at, way=way)
+    assert (ground.known.boots, ground.known.flaws) == (1, ())
+
+
 def test_a_frame_that_was_overtaken_by_the_end_of_a_mission_begins_no_other(ground):
     ground.say(status(100.0, state=0), status(101.0), status(160.0), status(160.9, state=7), status(160.8))
     ground.say(status(161.0, state=7))
