@@ -16,6 +16,7 @@ DOUBTED = 3.0  # [s] within which it does even when as many frames were lost as 
 LATE = 30.0  # [s] within which a frame may arrive late
 ANEW = 0.5  # [s] without a later frame, after which the number 0 is the first of a sender that has started anew
 LOWER = 3.0  # [s] without a later frame, after which any lower number is one of such a sender
+MOST_PAST = 4  # commands before the latest one of a number that are remembered
 MOST = 256  # commands, and senders, that are remembered: random ids cannot fill the memory
 
 
@@ -96,6 +97,7 @@ class Entry:
     due: float = math.inf  # when the sender is told next [s]
     cancelled: bool = False  # somebody has asked to cancel it
     lost: int | None = None  # frames of its sender that were lost on its way until it ended
+    past: tuple[tuple[Command, float], ...] = ()  # the commands before it, and when they were heard, or ended, last [s]
 
 
 class RecentCommands:
@@ -111,7 +113,9 @@ class RecentCommands:
     def note(self, entry: Entry) -> None:
         """Remember a command in the place of its like."""
         key = entry.origin.sender, entry.command.number
-        self._entries.pop(key, None)
+        before = self._entries.pop(key, None)
+        if before is not None:
+            entry.past = (*before.past, (before.command, before.time))[-MOST_PAST:]
         self._entries[key] = entry
         if len(self._entries) > MOST:
             self._entries.popitem(last=False)
@@ -131,10 +135,15 @@ class RecentCommands:
     def before(self, command: Command, origin: Origin, now: float) -> bool:
         """Tell whether a frame that arrives now was sent before the latest command of its number, or is that one.
 
-        Confirmations count up: a higher one with a lower place is of a sender that has started anew.
+        Confirmations count up: a higher one with a lower place is of a sender that has started anew. On another way a
+        confirmation of what was just replaced has taken longer: a sender may confirm on several at once.
         """
         entry = self.find(origin.sender, command.number)
-        if entry is None or not self.not_after(command.number, origin, now):
+        if entry is None:
+            return False
+        if command.confirmation > 0 and origin.way != entry.origin.way:
+            return any(alike(other, command) and now - time < RESENT for other, time in entry.past)
+        if not self.not_after(command.number, origin, now):
             return False
         return command.confirmation <= entry.command.confirmation or not alike(entry.command, command)
 

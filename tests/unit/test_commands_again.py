@@ -17,6 +17,7 @@ from command_bench import (
     Payload,
 )
 from examples import in_soak
+from ross_payload.config import Link
 from ross_payload.orders import (
     Home,
     Rearm,
@@ -98,6 +99,43 @@ def test_a_doubled_first_frame_is_no_new_start(payload):
     payload.ground = type(payload.ground)(payload.ground.air)
     payload.command(RECORD, 1, seconds=0.3)
     assert payload.recorded == [True]
+
+
+@pytest.fixture
+def two_links(sky):
+    """A payload, and its ground station as it speaks on a second link."""
+    air = sky()
+    radio = type(air.air)()
+    air.links.attach(Link(url="udpout:127.0.0.1:14551"), radio)
+    return Payload(air), type(air.ground)(radio)
+
+
+@pytest.mark.parametrize("seconds", [0.05, 1.0], ids=["while the next one goes on", "after it"])
+def test_a_confirmation_that_is_late_on_a_slower_link_does_not_undo_the_next_order(two_links, seconds):
+    """Our ground station confirms on all links."""
+    payload, radio = two_links
+    payload.command(TURN, -20, confirmation=1, seconds=1.0)
+    payload.command(TURN, 20, seconds=seconds)
+    radio.long(TURN, -20, confirmation=1)
+    payload.wait(1.0)
+    assert [order.heading for order in payload.given] == pytest.approx([math.radians(20), math.radians(-20)])
+
+
+@pytest.mark.parametrize(("confirmation", "waited"), [(0, 0.5), (1, 6.0)])
+def test_an_order_like_the_last_but_one_is_obeyed_on_another_link(two_links, confirmation, waited):
+    payload, radio = two_links
+    payload.command(TURN, -20, seconds=1.0)
+    payload.command(TURN, 20, seconds=1.0)
+    payload.wait(waited)
+    radio.long(TURN, -20, confirmation=confirmation)
+    payload.wait(1.0)
+    assert len(payload.given) == 3
+
+
+def test_a_confirmation_of_an_order_like_the_last_but_one_is_obeyed_on_the_same_link(payload):
+    for heading, confirmation in ((-20, 0), (20, 0), (-20, 1)):
+        payload.command(TURN, heading, confirmation=confirmation, seconds=1.0)
+    assert len(payload.given) == 3
 
 
 def lose(payload, frames):
