@@ -43,6 +43,12 @@ def synchronised_time() -> float | None:
     return None if state in (-1, UNSYNCHRONISED) else time.time()
 
 
+def suspended_time() -> float:
+    """Return for how long this computer was suspended since it was switched on [s], which a `Clock` does not count."""
+    boot_time = getattr(time, "CLOCK_BOOTTIME", None)  # of Linux
+    return 0.0 if boot_time is None else time.clock_gettime(boot_time) - time.clock_gettime(time.CLOCK_MONOTONIC)
+
+
 def hurry(urgency: int = URGENCY) -> bool:
     """Give the calling thread this real-time priority, 1 to 99, and return whether the system allows it.
 

@@ -14,6 +14,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
 
+from ross_payload.clock import suspended_time
 from ross_payload.config import Link as LinkConfig
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clock
@@ -73,7 +74,12 @@ class Router(AbstractContextManager["Router"]):
     """All links of the payload, for one thread. A context manager."""
 
     def __init__(
-        self, clock: Clock, system_id: int = 1, state: Path | None = None, unix: Callable[[], float] = unix_time
+        self,
+        clock: Clock,
+        system_id: int = 1,
+        state: Path | None = None,
+        unix: Callable[[], float] = unix_time,
+        suspended: Callable[[], float] = suspended_time,
     ) -> None:
         self.system_id = system_id  # 0: until an autopilot tells
         self.dispatcher = Dispatcher()
@@ -89,7 +95,8 @@ class Router(AbstractContextManager["Router"]):
         self._local: deque[tuple[int, bytes]] = deque(maxlen=MOST_LOCAL)
         self._sent = SentFrames()
         self._twin: tuple[int, float] | None = None  # component id, when
-        self._polled = math.inf  # when [s]
+        self._suspended = suspended
+        self._polled = math.inf  # when, on a clock that goes on while the computer is suspended [s]
         self._stale_until = -math.inf  # [s]: what arrives before was perhaps sent long ago
         self._held_up = ""  # why it is not obeyed
 
@@ -162,10 +169,10 @@ class Router(AbstractContextManager["Router"]):
         After a long pause of this program nothing that waited is obeyed but a stop: nobody expects it any more.
         """
         now = self._clock.now()
-        if now - self._polled > HELD_UP:
+        polled, self._polled = self._polled, now + self._suspended()
+        if self._polled - polled > HELD_UP:
             self._stale_until = now + CATCHING_UP
-            self._held_up = f"the payload stood still for {now - self._polled:.0f} s: send it again"
-        self._polled = now
+            self._held_up = f"the payload stood still for {self._polled - polled:.0f} s: send it again"
         for sender, frame in [self._local.popleft() for _ in range(len(self._local))]:
             for packet in self._decoder.feed(frame):
                 self.dispatcher.dispatch(Received(LOCAL, LOCAL, packet, may_order=True), but=sender)

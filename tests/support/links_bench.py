@@ -37,7 +37,8 @@ class Bench:
 
     def __init__(self, *links: Link, system_id: int = 1) -> None:
         self.clock = FakeClock()
-        self.links = Router(self.clock, system_id)
+        self.suspended = 0.0  # the computer, so far [s]
+        self.links = Router(self.clock, system_id, suspended=lambda: self.suspended)
         self.wires = {link.url: Wire() for link in links}
         for link in links:
             self.links.attach(link, self.wires[link.url])

@@ -4,6 +4,7 @@ import pytest
 
 from command_bench import ACCEPTED, IN_PROGRESS, TEMPORARILY_REJECTED, Payload
 from links_bench import Bench
+from ross_payload.clock import suspended_time
 from ross_payload.config import Link
 from ross_payload.mavlink.router import CATCHING_UP, HELD_UP
 from ross_protocols.mavlink.commands import COMMAND_LONG, cancel_message, long_message
@@ -36,6 +37,15 @@ def after(bench, seconds, *messages):
 def test_what_waited_is_not_obeyed_and_the_reason_is_told(bench):
     assert after(bench, 12.0, TURN, set_message("EXP_UNIT", 2.0, US), cancel_message(54000, US)) == [False] * 3
     assert bench.heard[0].refusal == "the payload stood still for 12 s: send it again"
+
+
+def test_what_waited_while_the_computer_was_suspended_is_not_obeyed_either(bench):
+    """Linux's monotonic clock stands still meanwhile."""
+    bench.suspended = 600.0
+    assert after(bench, 0.01, TURN, STOP) == [False, True]
+    assert bench.heard[0].refusal == "the payload stood still for 600 s: send it again"
+    assert after(bench, CATCHING_UP + 0.01, TURN) == [True]
+    assert suspended_time() == pytest.approx(suspended_time(), abs=0.1)
 
 
 def test_a_stop_that_waited_is_obeyed(bench):
