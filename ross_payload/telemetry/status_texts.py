@@ -8,7 +8,7 @@ from ross_payload import events
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.token_bucket import TokenBucket
 from ross_protocols.angle_text import rotation
-from ross_protocols.mavlink.codec import chunks
+from ross_protocols.mavlink.codec import TEXT_SIZE, chunks
 from ross_protocols.mavlink.values import Severity, Text
 
 PREFIX = "RoSS: "
@@ -19,6 +19,7 @@ SEVERITIES = {
 }
 BURST = 8  # lines
 PERIOD = 2.0  # [s]
+LONGEST = 19 * TEXT_SIZE  # characters of a line: 20 parts, which find room on every link and at the ground station
 ALWAYS = Severity.ERROR  # this and worse is never held back
 
 Line = tuple[Severity, str]
@@ -124,7 +125,9 @@ class OperatorTexts:
         self._count = 0
 
     def send(self, severity: Severity, text: str) -> None:
-        """Say a line, unless there were too many of late."""
+        """Say a line, its beginning where it is too long, unless there were too many of late."""
         if may_say(self._bucket, severity, self._now()):
             self._count += 1
-            self._give(chunks(severity, PREFIX + text, self._count % 65535 + 1))
+            said = PREFIX + text
+            said = said if len(said) <= LONGEST else said[: LONGEST - 3] + "..."
+            self._give(chunks(severity, said, self._count % 65535 + 1))

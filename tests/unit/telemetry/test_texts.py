@@ -1,5 +1,6 @@
 """What an operator reads: the story in few words, whole, and not too often."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -22,9 +23,12 @@ from ross_payload.events import (
     State,
     StateChanged,
 )
+from ross_payload.ground.model.status_text import MOST_CHUNKS
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
+from ross_payload.mavlink.message_board import Board
+from ross_payload.mavlink.message_scheduler import Stream
 from ross_payload.telemetry import status_texts
-from ross_payload.telemetry.status_texts import PREFIX, OperatorTexts, line
+from ross_payload.telemetry.status_texts import LONGEST, PREFIX, OperatorTexts, line
 from ross_protocols.mavlink.values import Severity, Text
 
 CANDIDATE = AlignmentCandidate(1, 0.5, 0.5, 210e-6, "gain")
@@ -40,6 +44,20 @@ class Ear:
         self.now = 0.0
         self.heard: list[Text] = []
         self.say = OperatorTexts(self.heard.extend, lambda: self.now).send
+
+
+def test_of_a_line_beyond_all_measure_the_beginning_is_heard_on_a_link() -> None:
+    """As a fault of a driver of others may be."""
+    link = Stream({}, lambda value: 79)
+    say = OperatorTexts(link.queue_texts, lambda: 0.0).send
+    say(Severity.INFO, "before it")
+    say(Severity.CRITICAL, "mission over: " + "a plug-in's long story " * 100)
+    said = [text.text for text in link.due(Board(), 0.0, math.inf) if isinstance(text, Text)]
+    assert said[0] == "RoSS: before it"
+    assert said[1].startswith("RoSS: mission over: a plug-in's long story")
+    assert "".join(said[1:]).endswith("...")
+    assert len("".join(said[1:])) == LONGEST
+    assert len(said[1:]) <= MOST_CHUNKS
 
 
 @pytest.mark.parametrize(
