@@ -75,7 +75,7 @@ def parsed_json(data: bytes | str) -> Any:
 
 
 def parsed_toml(data: bytes) -> dict[str, Any]:
-    """Parse TOML of somebody else.
+    """Parse TOML of somebody else; a byte order mark in front, as of editors on Windows, is no part of it.
 
     >>> parsed_toml(b"rate_hz = 16000")
     {'rate_hz': 16000}
@@ -86,7 +86,7 @@ def parsed_toml(data: bytes) -> dict[str, Any]:
         When it is not TOML in UTF-8, or is nested deeper than `DEEPEST`; one line.
     """
     try:
-        values = tomllib.loads(data.decode("utf-8"))
+        values = tomllib.loads(data.decode("utf-8-sig"))
     except RecursionError as error:
         raise ValueError(_TOO_DEEP) from error
     except UnicodeDecodeError as error:

@@ -51,7 +51,7 @@ def write_changes(path: Path, changes: Mapping[str, Any], model: type[Table]) ->
     file = path.resolve()
     before = read_toml(file)
     with refused_as(ConfigError, f"{path}: cannot be read"):
-        text = edited(read_bounded(file).decode(), changes)
+        text = edited(read_bounded(file).decode("utf-8-sig"), changes)
     with refused_as(OutputError, f"{path}: cannot be written"), replacing(file, 0o600) as part:
         part.write_bytes(text.encode())
         after = read_toml(part)

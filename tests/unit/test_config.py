@@ -47,6 +47,11 @@ def test_bad_values_are_named_in_one_line(tmp_path, text, words):
     assert "\n" not in str(caught.value)
 
 
+def test_a_byte_order_mark_in_front_is_no_part_of_a_file(tmp_path):
+    (tmp_path / "a.toml").write_bytes(b"\xef\xbb\xbf[array]\r\nspacing_m = 0.06\r\n")
+    assert load(tmp_path / "a.toml").array.spacing_m == 0.06
+
+
 def test_a_missing_file_and_a_binary_one_are_config_errors(tmp_path):
     with pytest.raises(ConfigError, match="cannot be read"):
         load(tmp_path / "nothing.toml")

@@ -40,6 +40,13 @@ def test_other_forms_of_a_table_are_edited_too(tmp_path, text):
     assert load(file).array.spacing_m == 0.1
 
 
+def test_a_byte_order_mark_hinders_nothing(tmp_path):
+    file = tmp_path / "ross.toml"
+    file.write_text("[array]\n", encoding="utf-8-sig")
+    write_changes(file, {"array.spacing_m": 0.1}, Config)
+    assert load(file).array.spacing_m == 0.1
+
+
 def test_the_old_file_is_kept_and_mode_and_link_stay(tmp_path):
     file, link = tmp_path / "ross.toml", tmp_path / "link.toml"
     file.write_text(TEXT)
