@@ -20,7 +20,9 @@ class Link(Table):
     )
     key_file: str = ""  # 32 bytes or 64 hex digits, mode 0600: sign what is sent, accept only what is signed with it
     accept: tuple[SystemId, ...] = ()  # system ids that may send commands, others are only received; empty: all
-    max_bytes_s: Annotated[int, Field(ge=0)] = 0  # send budget [bytes/s]; 0: half of a serial baud rate, else none
+    max_bytes_s: Annotated[int, Field(ge=0, le=1_000_000_000)] = (
+        0  # send budget [bytes/s]; 0: half of a serial baud rate, else none
+    )
 
 
 class Telemetry(Table):

@@ -96,7 +96,9 @@ class Exploit(Table):
     rules: Literal["best", "paper"] = "best"  # where to turn: best predicted gain, or the paper's equations
     check_s: Annotated[float, Field(ge=0.5, le=60)] = 3.0  # listening time to check a voice, T_check [s]
     run_s: Annotated[float, Field(ge=1, le=600)] = 10.0  # listening time until the voice is checked again, T_run [s]
-    runs: Annotated[int, Field(ge=0)] = 1  # how many periods of run_s until the mission is done; 0: until stopped
-    criterion: Annotated[float, Field(allow_inf_nan=False)] = 0.5  # accept a voice above this score
-    max_restarts: Annotated[int, Field(ge=0)] = 2  # number of restarts when the target is lost
+    runs: Annotated[int, Field(ge=0, le=1_000_000)] = (
+        1  # how many periods of run_s until the mission is done; 0: until stopped
+    )
+    criterion: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.5  # accept a voice above this score
+    max_restarts: Annotated[int, Field(ge=0, le=1_000_000)] = 2  # number of restarts when the target is lost
     track: bool = True  # follow talkers who move while the array listens, and turn a little where that helps
