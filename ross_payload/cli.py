@@ -18,6 +18,7 @@ from ross_payload.errors import ActuatorError, OutputError, PluginError, RossErr
 
 COMMANDS = "ross_payload.commands"
 LONGEST = 1500  # line about a mistake [characters]: a file may hold a name of a megabyte
+STANDARD_ERROR = 2  # its descriptor
 UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG)
 EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by the user."
 
@@ -128,6 +129,7 @@ def main() -> None:
     """Run the command line; a user's mistake gets one line and exit code 2."""
     for number in end_signals():  # the same clean end as Ctrl-C, also while setting up
         signal.signal(number, signal.default_int_handler)
+    _occupy_closed_streams()
     try:
         code = ross.main(standalone_mode=False)
     except click.exceptions.NoArgsIsHelpError as error:  # `ross` alone, or `ross config`: what it says is the help
@@ -152,8 +154,17 @@ def main() -> None:
         code = 1
     except OSError as error:
         _complain(_unusable(error))
-        code = 2
+        code = 1 if error.filename is None else 2
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _occupy_closed_streams() -> None:
+    """Have nothing that is opened later become standard input, output or error, to which libraries write as well."""
+    while (handle := os.open(os.devnull, os.O_RDWR)) <= STANDARD_ERROR:
+        os.set_inheritable(handle, True)
+    os.close(handle)
+    sys.stdout = sys.stdout or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - until the program ends
+    sys.stderr = sys.stderr or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
 
 
 def _lacking(error: ModuleNotFoundError) -> str:
@@ -167,7 +178,9 @@ def _lacking(error: ModuleNotFoundError) -> str:
 
 
 def _unusable(error: OSError) -> str:
-    """Say which file cannot be used, and why; raise the error again when it names none."""
+    """Say which file cannot be used, and why; one without a name is the output. Anything else is raised again."""
+    if error.filename is None and error.errno in UNWRITABLE:
+        return f"the output cannot be written: {reason(error)}"
     if not isinstance(error.filename, str | bytes):
         raise error
     verb = {errno.EACCES: "used", **dict.fromkeys(UNWRITABLE, "written")}.get(error.errno or 0, "read")

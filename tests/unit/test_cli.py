@@ -1,3 +1,5 @@
+import errno
+import io
 import json
 import subprocess
 import sys
@@ -337,3 +339,31 @@ def test_sessions_of_a_folder_that_is_not_there_are_refused(run, tmp_path):
     assert run("sessions", "--folder", tmp_path / "empty") == (0, f"no sessions in {tmp_path}/empty\n", "")
     expected = f"ross: --folder {tmp_path}/nosuch: cannot be read: No such file or directory\n"
     assert run("sessions", "--folder", tmp_path / "nosuch") == (2, "", expected)
+
+
+def test_output_that_cannot_be_written_is_one_line_and_a_fault(run, monkeypatch):
+    class OnAFullDisk(io.StringIO):
+        def write(self, text):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(sys, "stdout", OnAFullDisk())
+    code, _, err = run("actuators")
+    assert (code, err) == (1, "ross: the output cannot be written: No space left on device\n")
+
+
+WITHOUT_STREAMS = """
+import os, sys
+from ross_payload import cli
+sys.argv = ["ross", "actuators"]
+try:
+    cli.main()
+except SystemExit as end:
+    with open("kept", "w") as kept:
+        print(end.code, kept.fileno() > 2, file=kept)
+"""
+
+
+def test_a_command_whose_streams_are_closed_ends_as_usual_and_opens_no_file_in_their_place(tmp_path):
+    shell = ["sh", "-c", 'exec "$0" -c "$1" <&- >&- 2>&-', sys.executable, WITHOUT_STREAMS]
+    subprocess.run(shell, cwd=tmp_path, check=False)
+    assert (tmp_path / "kept").read_text() == "0 True\n"
