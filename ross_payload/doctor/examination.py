@@ -26,6 +26,7 @@ from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ActuatorError, AudioEnded, RossError
 from ross_payload.health import AudioHealth, AudioTrouble
 from ross_payload.interfaces import Capabilities, Clock, Samples, Services
+from ross_payload.service.check import check as refuse_what_cannot_run
 
 Check = Callable[[Config, Machine], Iterator[Finding]]
 SPACING_TOLERANCE = 0.05  # share by which a spacing may differ from that of a known array: 3 deg off at 20 deg
@@ -191,15 +192,31 @@ CHECKS: tuple[Check, ...] = (
 
 
 def examine(config: Config, machine: Machine, clock: Clock, first: Sequence[Check] = CHECKS) -> Iterator[Finding]:
-    """Yield what every check finds, as soon as it is found; a check that breaks hurts no other."""
+    """Yield what every check finds, as soon as it is found; a check that breaks hurts no other.
+
+    When nothing has failed, what `ross run` would refuse has.
+    """
     checks: list[tuple[str, Callable[[], Iterator[Finding]]]] = [
         (check.__name__, partial(check, config, machine)) for check in first
     ]
     checks.append(("microphones", partial(microphones, config, clock)))
     checks.append(("actuator", partial(actuator, config, machine, clock)))
     checks.append(("speed", partial(speed.headroom, config, clock)))
+    failed = False
     for name, check in checks:
         try:
-            yield from check()
+            for finding in check():
+                failed = failed or finding.verdict is Verdict.FAIL
+                yield finding
         except Exception as error:  # a computer that surprises one check is what the others are for
+            failed = True
             yield fail(name, f"the check itself failed: {error!r}", "please report this line")
+    if not failed:
+        yield from _refusal(config)
+
+
+def _refusal(config: Config) -> Iterator[Finding]:
+    try:
+        refuse_what_cannot_run(config)
+    except RossError as error:
+        yield fail("configuration", str(error), "`ross run` refuses this: see docs/reference/configuration")

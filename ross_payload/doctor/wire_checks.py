@@ -13,6 +13,7 @@ from ross_payload.config import Config, Link
 from ross_payload.doctor.findings import Finding, fail, ok, warn
 from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ConfigError, RossError
+from ross_payload.named_paths import expanded
 from ross_payload.plugins import EXTRA_OF, install_line
 from ross_payload.transport.link_url import LOOPBACK, Serial, Tcp, Udp, parse
 from ross_payload.transport.signing import read_key
@@ -173,7 +174,7 @@ def _key(link: Link, machine: Machine) -> Iterator[Finding]:
     if not link.key_file:
         return
     try:
-        read_key(machine.path(link.key_file))
+        read_key(machine.path(expanded(link.key_file)))
     except ConfigError as error:
         todo = (
             f"32 random bytes, the same at the ground station: chmod 600 {link.key_file}; chown to the service's user"

@@ -247,3 +247,25 @@ def test_the_made_up_voices_arrive_as_the_geometry_says():
 
 def test_a_separator_that_does_not_exist_is_a_finding():
     assert said(speed.headroom(config(exploit={"separator": "magic"}), SystemClock()))[0] is Verdict.FAIL
+
+
+# -------------------------------------------------------------------------------------------- what `ross run` refuses
+
+LINK = {"url": "udpout:127.0.0.1:14550"}
+REFUSED = {
+    "links.1.url": {"links": [LINK, LINK]},
+    "gimbal.mode": {"gimbal": {"mode": "device"}},
+    "listening: separator": {"listening": {"separator": "paper"}},
+    "listening.streams.0.sink": {"listening": {"streams": [{"sink": "loudspeaker"}]}},
+    "actuator.kind": {"actuator": {"kind": "mavlink_gimbal"}},
+}
+
+
+@pytest.mark.parametrize("key", REFUSED)
+def test_what_ross_run_would_refuse_is_a_failure(tmp_path, key):
+    path = tmp_path / "heard.wav"
+    soundfile.write(path, np.stack([noise(1), noise(2)], axis=1), 16000)
+    tables = FAST | {"audio": {"source": f"file:{path}"}} | REFUSED[key]
+    last = list(examination.examine(config(**tables), machine(tmp_path), SimClock()))[-1]
+    assert (last.check, last.verdict) == ("configuration", Verdict.FAIL)
+    assert last.found.startswith(key)

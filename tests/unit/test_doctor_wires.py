@@ -129,6 +129,15 @@ def test_a_key_is_whole_and_ours_alone(tmp_path, content, mode, verdict):
     assert said(wire_checks.links(config(links=[link]), machine(tmp_path)))[0] is verdict
 
 
+def test_a_key_below_the_home_folder_is_looked_at_there(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", "/home/ann")
+    path = put(tmp_path, "/home/ann/key")
+    path.write_bytes(b"k" * 32)
+    path.chmod(0o600)
+    link = {"url": "udpout:127.0.0.1:14550", "key_file": "~/key"}
+    assert said(wire_checks.links(config(links=[link]), machine(tmp_path)))[0] is Verdict.OK
+
+
 def test_a_key_that_is_missing_is_found(tmp_path):
     link = {"url": "udpout:127.0.0.1:14550", "key_file": "/etc/ross/key"}
     assert "No such file" in said(wire_checks.links(config(links=[link]), machine(tmp_path)))[1]
