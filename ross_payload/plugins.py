@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, requires, version
 from pathlib import Path
@@ -16,13 +16,13 @@ from ross_payload.errors import PluginError, unknown
 
 def available(group: str) -> Mapping[str, EntryPoint]:
     """Return the entry points of a group by name, sorted; nothing is imported."""
-    return _along(group, tuple(sys.path))
+    return {point.name: point for point in _along(group, tuple(sys.path))}
 
 
 @cache
-def _along(group: str, path: tuple[str, ...]) -> Mapping[str, EntryPoint]:
+def _along(group: str, path: tuple[str, ...]) -> Sequence[EntryPoint]:
     """Ask every package along a path, which takes several milliseconds."""
-    return {point.name: point for point in sorted(entry_points(group=group), key=lambda point: point.name)}
+    return sorted(entry_points(group=group), key=lambda point: point.name)
 
 
 def load(group: str, name: str) -> Any:
@@ -31,19 +31,27 @@ def load(group: str, name: str) -> Any:
     Raises
     ------
     PluginError
-        When the name is unknown (lists those that exist), a dependency is missing (names the extra) or the plug-in
-        is broken (says how).
+        When the name is unknown (lists those that exist), two packages bring another plug-in of that name, a
+        dependency is missing (names the extra) or the plug-in is broken (says how).
     """
     points = available(group)
+    kind = group.rpartition(".")[2].removesuffix("s").replace("_", " ")
     if name not in points:
-        kind = group.rpartition(".")[2].removesuffix("s").replace("_", " ")
         raise PluginError(unknown(kind, name, points))
+    named = {point.value: point for point in _along(group, tuple(sys.path)) if point.name == name}
+    if len(named) > 1:
+        found = " and ".join(f"{value} of {_package(point)}" for value, point in sorted(named.items()))
+        raise PluginError(f"{kind} '{name}': expected one of that name, got {found}: rename or uninstall one")
     try:
         return points[name].load()
     except ModuleNotFoundError as error:
         raise PluginError(_missing(name, error)) from error
     except Exception as error:  # a broken plug-in must not take the others with it
         raise PluginError(f"plug-in '{name}' ({points[name].value}) is broken: {error!r}") from error
+
+
+def _package(point: EntryPoint) -> str:
+    return point.dist.name if point.dist else "no package"
 
 
 def _missing(name: str, error: ModuleNotFoundError) -> str:

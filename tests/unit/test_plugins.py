@@ -39,3 +39,17 @@ def test_a_broken_plugin_says_how(points):
     points(broken="math:no_such_name")
     with pytest.raises(PluginError, match="is broken: AttributeError"):
         plugins.load("ross_payload.things", "broken")
+
+
+def test_two_plugins_of_one_name_are_refused_and_named(monkeypatch, points):
+    points()
+    found = [EntryPoint("good", value, "ross_payload.things") for value in ("math:tau", "math:pi", "math:tau")]
+    monkeypatch.setattr(plugins, "entry_points", lambda group: found)
+    with pytest.raises(PluginError, match=r"^thing 'good': expected one of that name, got math:pi of .* and math:tau"):
+        plugins.load("ross_payload.things", "good")
+
+
+def test_one_plugin_that_two_packages_bring_is_one(monkeypatch, points):
+    points()
+    monkeypatch.setattr(plugins, "entry_points", lambda group: [EntryPoint("good", "math:tau", group)] * 2)
+    assert plugins.load("ross_payload.things", "good") == pytest.approx(6.283185307)
