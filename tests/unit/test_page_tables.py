@@ -99,6 +99,25 @@ def test_a_table_takes_the_place_of_the_old_one_and_nothing_else_changes(page):
     assert with_tables(page) == page.read_text()
 
 
+def test_line_ends_links_and_the_mode_of_a_page_stay(page):
+    page.write_bytes(page.read_bytes().replace(b"\n", b"\r\n"))
+    page.chmod(0o640)
+    link = page.with_name("link.md")
+    link.symlink_to(page.name)
+    write_page(link)
+    assert link.is_symlink()
+    assert page.stat().st_mode & 0o777 == 0o640
+    text = page.read_bytes()
+    assert text.count(b"\n") == text.count(b"\r\n")
+    assert tables([ROW]).splitlines()[0].encode() in text
+
+
+def test_a_page_in_another_encoding_is_refused_in_one_line(page):
+    page.write_bytes(b"\xff" + page.read_bytes())
+    with pytest.raises(ConfigError, match=r"page\.md: expected UTF-8 text, got other bytes"):
+        write_page(page)
+
+
 def test_tables_of_other_rows_stay(page):
     other = page.parent / "other.csv"
     appended(other, [ROW])

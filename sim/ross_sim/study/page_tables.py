@@ -12,12 +12,14 @@ The path counts from the page. What stands between the marks is written by `ross
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ross_payload.atomic_files import replacing
+from ross_payload.bounded_files import read_bounded
 from ross_payload.errors import ConfigError, OutputError, refused_as, unknown
 from ross_sim.study import live_tables
 from ross_sim.study.above_rows import AboveRow, above
@@ -38,7 +40,9 @@ from ross_sim.study.row_files import read_rows
 from ross_sim.study.study_design import STOP
 from ross_sim.study.tables import finds, gains, losses
 
-BLOCK = re.compile(r"(<!-- rows: (?P<rows>[^,>]+), table: (?P<table>\S+) -->\n).*?(<!-- rows: end -->)", re.DOTALL)
+BLOCK = re.compile(
+    r"(<!-- rows: (?P<rows>[^,>]+), table: (?P<table>\S+) -->(?P<end>\r?\n)).*?(<!-- rows: end -->)", re.DOTALL
+)
 Maker = Callable[[Sequence[Any]], str]
 
 
@@ -87,8 +91,12 @@ def with_tables(page: Path, rows: Path | None = None) -> str:
     ConfigError
         When the page cannot be read or has no marks of these rows, or a mark names no table of its rows.
     """
-    with refused_as(ConfigError, f"{page}: cannot be read"):
-        text = page.read_text(encoding="utf-8")
+    try:
+        text = read_bounded(page).decode("utf-8")
+    except OSError as error:
+        raise ConfigError(f"{page}: cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{page}: expected UTF-8 text, got other bytes") from error
     wanted = None if rows is None else rows.resolve()
     named = [(page.parent / block["rows"]).resolve() for block in BLOCK.finditer(text)]
     if wanted is not None and wanted not in named:
@@ -103,11 +111,12 @@ def _written(page: Path, wanted: Path | None, block: re.Match[str]) -> str:
     made = tables_of(there)
     if block["table"] not in made:
         raise ConfigError(f"{page}: {unknown('table', block['table'], made)}")
-    return f"{block[1]}{made[block['table']]}\n{block[4]}"
+    table = f"{made[block['table']]}\n".replace("\n", block["end"])
+    return f"{block[1]}{table}{block[5]}"
 
 
 def write_page(page: Path, rows: Path | None = None) -> None:
-    """Make the tables of a page anew, whole or not at all: see `with_tables`.
+    """Make the tables of a page anew, whole or not at all: see `with_tables`. Links and the mode stay.
 
     Raises
     ------
@@ -115,5 +124,6 @@ def write_page(page: Path, rows: Path | None = None) -> None:
         When it cannot be written.
     """
     text = with_tables(page, rows)
-    with refused_as(OutputError, f"{page}: cannot be written"), replacing(page) as path:
-        path.write_text(text, encoding="utf-8")
+    with refused_as(OutputError, f"{page}: cannot be written"), replacing(page.resolve()) as path:
+        path.write_bytes(text.encode())
+        shutil.copymode(page, path)
