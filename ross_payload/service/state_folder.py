@@ -102,6 +102,11 @@ def unusable_recordings(folder: Path, place: Path | None = None) -> str:
 
 def _obstacle(folder: Path) -> int:
     """Return with which errno a folder could not be made or written; 0: it could."""
+    try:
+        folder.lstat()
+    except OSError as error:
+        if error.errno == errno.ENAMETOOLONG:  # to `nearest_there` it is merely not there
+            return error.errno
     there = nearest_there(folder)
     if not os.path.isdir(there):  # noqa: PTH112 - Path.is_dir raises where a link leads into a closed folder
         return errno.EEXIST if there == folder else errno.ENOTDIR

@@ -30,6 +30,7 @@ BAD = {
     "a state folder in a file": "[service]\nstate_dir = 'a.wav/state'\n",
     "a state folder of no user": "[service]\nstate_dir = '~nobody-here/state'\n",
     "a state folder that no file can have": '[service]\nstate_dir = "a\\u0000b"\n',
+    "a state folder whose name is too long": f"[service]\nstate_dir = '{'x' * 300}'\n",
     "recordings of no user": "[recording]\nfolder = '~nobody-here/kept'\n",
     "a key of no user": LINK.format("udpin:127.0.0.1:14550") + "key_file = '~nobody-here/key'\n",
     "one channel twice": "[audio]\nchannels = [0, 0]\n",
