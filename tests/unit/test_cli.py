@@ -359,11 +359,11 @@ try:
     cli.main()
 except SystemExit as end:
     with open("kept", "w") as kept:
-        print(end.code, kept.fileno() > 2, file=kept)
+        print(end.code, kept.fileno() > 2, repr(sys.stdin.read()), file=kept)
 """
 
 
 def test_a_command_whose_streams_are_closed_ends_as_usual_and_opens_no_file_in_their_place(tmp_path):
     shell = ["sh", "-c", 'exec "$0" -c "$1" <&- >&- 2>&-', sys.executable, WITHOUT_STREAMS]
     subprocess.run(shell, cwd=tmp_path, check=False)
-    assert (tmp_path / "kept").read_text() == "0 True\n"
+    assert (tmp_path / "kept").read_text() == "0 True ''\n"
