@@ -58,7 +58,7 @@ def test_offboard_of_somebody_else_is_left_alone(waiting):
     assert streamed(waiting, 3.0) == []
     waiting.actuator.command(math.radians(30))
     waiting.clock.sleep(3.0)
-    assert "Offboard began before the place was known, or for somebody else" in waiting.state.fault
+    assert "Offboard began before the place was known, or for another program" in waiting.state.fault
     assert waiting.modes.mode == OFFBOARD
 
 
