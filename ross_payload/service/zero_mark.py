@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from ross_payload.actuators.guard import Guard
+from ross_payload.atomic_files import write_whole
 from ross_payload.events import Event
 from ross_payload.interfaces import Input
 from ross_payload.transport.async_task import begin
@@ -65,7 +66,7 @@ class ZeroMark:
     def _write(self, *, away: bool) -> None:
         try:
             if away:
-                self._path.touch(mode=0o600)
+                write_whole(self._path, b"")  # a power cut leaves the array there as well
             else:
                 self._path.unlink(missing_ok=True)
         except OSError as error:
