@@ -12,6 +12,7 @@ import hashlib
 import os
 import re
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -109,7 +110,10 @@ def fly(python: Path, folder: Path) -> None:
 
 def serve(python: Path, folder: Path) -> None:
     """Fetch the page and all that it names from the installed ground station; nothing of it may lie elsewhere."""
-    command = (python.with_name("ross"), "ground", "udpin:127.0.0.1:0", "--port", "0")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        link = f"udpin:127.0.0.1:{probe.getsockname()[1]}"
+    command = (python.with_name("ross"), "ground", link, "--port", "0")
     with subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, text=True) as ground:
         try:
             line = ground.stdout.readline() if ground.stdout else ""
