@@ -257,7 +257,7 @@ def test_stops_are_heard_through_a_flood(stopped, on_the_same_link):
 @pytest.mark.soak
 @pytest.mark.parametrize("on_the_same_link", [False, True], ids=["other", "same"])
 def test_a_hundred_stops_are_heard_through_a_flood(stopped, on_the_same_link):
-    times, rate = stopped(100, on_the_same_link)
+    times, rate = stopped(100, on_the_same_link, patience=5.0, again=0.5)
     assert rate > 0.9 * FLOOD
     assert None not in times
-    assert max(times) < 0.17
+    assert max(times) < 1.5, "one that is lost comes again after 0.5 s"
