@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ports import free_port
 from processes import ROSS
-from rtp_players import Player, delay_of, ffmpeg, found_in, free_port, in_use
+from rtp_players import Player, delay_of, ffmpeg, found_in, in_use
 from voice_sender import CLOCK, RATE
 from waiting import wait_for
 
@@ -89,7 +90,7 @@ def test_what_a_microphone_hears_is_played_soon(tmp_path, codec):
     folder = Path(os.path.realpath(tmp_path)) / "p"  # a socket's path is short
     folder.mkdir(mode=0o700)
     noise = 0.1 * np.random.default_rng(0).standard_normal(round(SECONDS * RATE)).clip(-4, 4)
-    port, link = free_port(), free_port()
+    port, link = free_port(2), free_port()
     (tmp_path / "payload.toml").write_text(PAYLOAD.format(port=port, link=link, codec=codec))
     kind, name = KINDS[codec]
     (tmp_path / "voice.sdp").write_text(SDP.format(port=port, kind=kind, name=name))

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from lossy_network import voiced
+from ports import free_port
 from ross_payload.audio.sinks import info_of
-from rtp_players import Player, delay_of, ffmpeg, found_in, free_port, gstreamer, in_use
+from rtp_players import Player, delay_of, ffmpeg, found_in, gstreamer, in_use
 from voice_sender import RATE, opened, talking
 from waiting import wait_for
 
@@ -29,7 +30,7 @@ def heard(tmp_path_factory):
             if shutil.which(player("", 0, codec)[0]) is None:
                 continue
             folder = tmp_path_factory.mktemp(f"{player.__name__}-{codec}")
-            port = free_port()
+            port = free_port(2)  # the next one is for RTCP
             sinks[player, codec] = sink = stack.enter_context(opened(port, folder, codec=codec))
             (folder / "voice.sdp").write_text(info_of(sink).sdp)
             playing[player, codec] = one = Player(player(str(folder / "voice.sdp"), port, codec))

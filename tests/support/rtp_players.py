@@ -1,7 +1,6 @@
 """Players of others that write what they play to their output: ffmpeg and GStreamer."""
 
 import os
-import random
 import socket
 import subprocess
 import threading
@@ -75,22 +74,6 @@ def delay_of(place, began, samples, times, counts):
     """Return how late [s] the newest sample of each part that a player wrote was, in the median."""
     heard_at = began + (place - (len(samples) - RATE) + counts) / RATE
     return float(np.median((times - heard_at)[counts > RATE]))
-
-
-def free_port():
-    """Return a UDP port that a player can take, and the next one, which it takes for RTCP.
-
-    Neither is one that the system gives to whoever asks for any, so that nobody else has it a moment later.
-    """
-    for port in random.sample(range(20000, 30000, 2), 100):
-        try:
-            with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as rtp, socket.socket(type=socket.SOCK_DGRAM) as rtcp:
-                rtp.bind(("", port))
-                rtcp.bind(("", port + 1))
-        except OSError:
-            continue
-        return port
-    raise AssertionError("no two UDP ports side by side are free")
 
 
 def in_use(port):
