@@ -6,10 +6,12 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+from ross_sim.study.exploration_ends import end_rows
+from ross_sim.study.exploration_tables import finds
 from ross_sim.study.figures import draw
+from ross_sim.study.layout_gains import gain_rows
 from ross_sim.study.result_rows import Exploration, Separation
-from ross_sim.study.study_design import chosen
-from ross_sim.study.tables import tables
+from ross_sim.study.separation_tables import gains, losses
 
 pytestmark = pytest.mark.lockstep
 
@@ -93,25 +95,28 @@ def test_a_study_that_does_not_explore_has_no_figure_of_azimuths_and_the_same_by
 
 
 def test_means_count_a_missed_target_as_zero():
-    study = chosen("quick", {"rotations": (4,)}, False)
-    gains, losses, _ = tables(study, list(separations()), list(explorations()))
-    first = gains.rows[0]
-    assert first == ("S1, K = 3", "9.0 / 8.0 / 6.4 / 3.0", "9.0 / 8.0 / 8.0 / 3.0")  # (4 x 8 + 0) / 5
-    assert losses.rows[0] == ("S1, K = 3, joint, 3 s, 4", "0.89", "1.00", "1.00")  # 8 of 9 rows
+    rows = gain_rows(separations())
+    assert gains(rows).rows[0] == ("S1, K = 3", "9.0 / 8.0 / 6.4 / 3.0", "9.0 / 8.0 / 8.0 / 3.0")  # (4 x 8 + 0) / 5
+    assert losses(rows).rows[0] == ("S1, K = 3, joint, 3 s, 4", "0.89", "1.00", "1.00")  # 8 of 9 rows
+
+
+def test_a_mean_is_that_of_all_targets_and_its_interval_that_of_the_layouts():
+    blank = Separation("t", "S1", 3, 0, 0, "0.1", "aligned", 0, "anna", 170.0, separator="duet")
+    found = [(0, 9.0), (0, 11.0), (1, 12.0), (1, 14.0), (2, 16.0)]
+    (line,) = gains(gain_rows(replace(blank, layout=layout, si_sdri_db=gain) for layout, gain in found)).rows
+    assert line == ("S1, K = 3", "12.4 ± 7.5 / -")  # 10, 13 and 16 dB: 3 dB times 4.303 over the root of 3
 
 
 def test_the_explorers_table_follows_schedules_and_the_stop_rule():
-    study = chosen("quick", {"rotations": (2, 4, "stop")}, False)
-    (finds,) = tables(study, [], list(explorations()))
-    rows = {row[0]: row[1:] for row in finds.rows}
-    assert rows["S1, joint, 3 s, 2"] == ("2.0", "1.00", "1.00", "1.000", "0.67", "1.00")
+    rows = {row[0]: row[1:] for row in finds(end_rows((2, 4, "stop"), explorations())).rows}
+    assert rows["S1, joint, 3 s, 2"] == ("2.0", "1.00", "1/1 (21-100 %)", "1.000", "0.67", "1/1")
     assert rows["S1, joint, 3 s, stop"][0] == "3.0"
     assert rows["S3, markov, 3 s, 4"][4] == "1.33"
 
 
 def test_tables_are_markdown_with_as_many_cells_in_every_line():
-    study = chosen("quick", {"rotations": (4,)}, False)
-    for table in tables(study, list(separations()), list(explorations())):
+    rows = gain_rows(separations())
+    for table in (gains(rows), losses(rows), finds(end_rows((4,), explorations()))):
         lines = [line for line in table.markdown().splitlines() if line.startswith("|")]
         assert len(lines) == len(table.rows) + 2
         assert len({line.count("|") for line in lines}) == 1

@@ -7,8 +7,11 @@ import pytest
 
 from ross_sim.study.benchmark.benchmark_rows import BenchmarkLocalization, BenchmarkSeparation
 from ross_sim.study.calibration_rows import CalibrationRow
+from ross_sim.study.exploration_ends import EndRow
+from ross_sim.study.layout_gains import GainRow
 from ross_sim.study.mission_design import MissionStudy
 from ross_sim.study.mission_rows import MissionRow
+from ross_sim.study.motion_rows import MotionRow
 from ross_sim.study.page_tables import MAKERS
 from ross_sim.study.result_rows import Exploration, Separation, Timing, columns
 from ross_sim.study.room_settings import SETTINGS
@@ -32,15 +35,20 @@ def test_every_table_of_rows_is_listed():
     assert [name for made in MAKERS.values() for name in made if f"`{name}`" not in section] == []
 
 
-@pytest.mark.parametrize("kind", [Separation, Exploration, Timing, MissionRow, CalibrationRow])
-def test_every_column_is_listed(kind):
-    title = {
-        Separation: "separations",
-        Exploration: "explorations",
-        Timing: "timing",
-        MissionRow: "missions",
-        CalibrationRow: "calibrations",
-    }[kind]
+TITLES = {
+    Separation: "separations",
+    Exploration: "explorations",
+    GainRow: "gains",
+    EndRow: "ends",
+    MotionRow: "motions",
+    Timing: "timing",
+    MissionRow: "missions",
+    CalibrationRow: "calibrations",
+}
+
+
+@pytest.mark.parametrize(("kind", "title"), TITLES.items(), ids=TITLES.values())
+def test_every_column_is_listed(kind, title):
     section = PAGE.split(f"### Columns of `{title}`")[1].split("##")[0]
     assert [name for name in columns(kind) if f"`{name}`" not in section] == []
 

@@ -1,4 +1,4 @@
-"""Tables of how well talkers are counted, and of how far the confidence of a source is a probability."""
+"""Tables of who was found where explorations end, and of how far the confidence of a source is a probability."""
 
 from __future__ import annotations
 
@@ -6,25 +6,54 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
-from ross_payload.angles import difference
-from ross_payload.interfaces import Real
 from ross_sim.study.exploration import NEAR_DEG
+from ross_sim.study.exploration_ends import EndRow
 from ross_sim.study.intervals import rate_cell
-from ross_sim.study.result_rows import Exploration
 from ross_sim.study.tables import Table, grouped
 
 EDGES = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 1.0)  # of the confidence
 
 
-def last(rows: Sequence[Exploration]) -> list[Exploration]:
-    """The rows after the last rotation of every exploration."""
-    tasks = grouped(rows, lambda row: (row.seed, row.task)).values()
-    return [max(task, key=lambda row: row.rotations) for task in tasks]
+def finds(rows: Sequence[EndRow]) -> Table:
+    """How well the explorer counts and places talkers after every schedule."""
+    counts = sorted({row.k for row in rows})
+    lines = [
+        (f"{setting}, {explorer}, {unit:g} s, {f'{rate:g} deg/s, ' if rate else ''}{schedule}", *_found(group, counts))
+        for (explorer, unit, setting, rate, schedule), group in grouped(
+            rows, lambda row: (row.explorer, row.unit_s, row.setting, row.turning_deg_s, row.schedule)
+        ).items()
+    ]
+    by_k = tuple(f"K = {k}" for k in counts)
+    header = ("", "rotations", "K right", "all right", "recall", "error [deg]", *by_k)
+    about = (
+        f"All right: K is right and every talker is within {NEAR_DEG:g} deg, with the interval in which the rate lies "
+        "with 95 %; the columns by K are scenes all right."
+    )
+    return Table("Finding the talkers", header, tuple(lines), about)
 
 
-def counts(rows: Sequence[Exploration]) -> Table:
+def _found(rows: Sequence[EndRow], counts: Sequence[int]) -> tuple[str, ...]:
+    errors = np.concatenate([row.errors_deg for row in rows])
+    near = errors <= NEAR_DEG
+    right = [[row.right for row in rows if row.k == k] for k in counts]
+    return (
+        f"{np.mean([row.rotations for row in rows]):.1f}",
+        f"{np.mean([row.k_estimated == row.k for row in rows]):.2f}",
+        rate_cell(sum(row.right for row in rows), len(rows)),
+        f"{near.mean():.3f}",
+        f"{errors[near].mean():.2f}" if near.any() else "-",
+        *(f"{sum(part)}/{len(part)}" if part else "-" for part in right),
+    )
+
+
+def last(rows: Sequence[EndRow]) -> list[EndRow]:
+    """Of every exploration the row with the most rotations."""
+    explorations = grouped(rows, lambda row: row.exploration).values()
+    return [max(ends, key=lambda row: row.rotations) for ends in explorations]
+
+
+def counts(rows: Sequence[EndRow]) -> Table:
     """How often K is right after the last rotation, by room and K."""
     found = last(rows)
     numbers = sorted({row.k for row in found})
@@ -43,13 +72,15 @@ def counts(rows: Sequence[Exploration]) -> Table:
     return Table("K right", ("", *(f"K = {k}" for k in numbers), "all"), tuple(lines), about)
 
 
-def _right(rows: Sequence[Exploration]) -> str:
+def _right(rows: Sequence[EndRow]) -> str:
     return rate_cell(sum(row.k_estimated == row.k for row in rows), len(rows))
 
 
-def reliability(rows: Sequence[Exploration]) -> Table:
+def reliability(rows: Sequence[EndRow]) -> Table:
     """Mean confidence and share of sources that are talkers, by confidence, after the last rotation."""
-    told, true = sources(last(rows))
+    ends = last(rows)
+    told = np.array([confidence for row in ends for confidence in row.confidences])
+    true = np.array([there for row in ends for there in row.there], dtype=bool)
     lines = []
     for low, high in pairwise(EDGES):
         here = (told >= low) & ((told < high) | (high == EDGES[-1]))
@@ -60,17 +91,3 @@ def reliability(rows: Sequence[Exploration]) -> Table:
     lines.append(("all", f"{told.mean():.3f}", rate_cell(int(true.sum()), len(true))))
     about = f"Sources by confidence; a source counts as a talker when one of its own is within {NEAR_DEG:g} deg."
     return Table("Confidence", ("confidence", "mean", "a talker there"), tuple(lines), about)
-
-
-def sources(rows: Sequence[Exploration]) -> tuple[Real, Real]:
-    """Confidence of every source of some rows, and whether a talker of its own is near, (n,) each."""
-    told: list[float] = []
-    true: list[bool] = []
-    for row in rows:
-        apart = np.abs(difference(np.deg2rad(row.azimuths_deg)[:, None], np.deg2rad(row.azimuths_true_deg)))
-        near = np.zeros(len(row.azimuths_deg), dtype=bool)
-        mine, theirs = linear_sum_assignment(np.minimum(apart, np.deg2rad(60.0)))
-        near[mine] = apart[mine, theirs] <= np.deg2rad(NEAR_DEG)
-        told.extend(row.confidences)
-        true.extend(near.tolist())
-    return np.array(told), np.array(true)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ross_sim.study.result_rows import ALIGNED, ESTIMATED, UNALIGNED, Exploration, Separation
-from ross_sim.study.tables import grouped, mean
+from ross_sim.study.tables import grouped
 
 COLUMN, PAGE = 3.5, 7.16  # widths of one and of two columns [inch]
 STYLE: dict[Any, Any] = {
@@ -105,6 +106,11 @@ def _trace(axes: Any, rows: Sequence[Exploration], explorers: Sequence[str]) -> 
 
 
 # ----------------------------------------------------------------------------- SI-SDRi over initial orientation
+
+
+def mean(rows: Sequence[Separation]) -> float:
+    """Mean SI-SDRi [dB]; not a number when there is no row."""
+    return float(np.mean([row.si_sdri_db for row in rows])) if rows else math.nan
 
 
 def _of_paper_layout(rows: Sequence[Separation]) -> dict[str, list[Separation]]:

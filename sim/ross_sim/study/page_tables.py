@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -30,15 +30,18 @@ from ross_sim.study.benchmark.benchmark_rows import (
     separation_table,
 )
 from ross_sim.study.calibration_rows import CalibrationRow, calibrations
-from ross_sim.study.exploration_tables import counts, reliability
+from ross_sim.study.exploration_ends import EndRow, end_rows
+from ross_sim.study.exploration_tables import counts, finds, reliability
+from ross_sim.study.layout_gains import GainRow, gain_rows
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
 from ross_sim.study.motion_rows import MotionRow, motions
 from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.result_rows import Exploration, Separation
 from ross_sim.study.row_files import read_rows
+from ross_sim.study.separation_tables import gains, losses
 from ross_sim.study.study_design import STOP
-from ross_sim.study.tables import finds, gains, losses
+from ross_sim.study.tables import Table
 
 BLOCK = re.compile(
     r"(<!-- rows: (?P<rows>[^,>]+), table: (?P<table>\S+) -->(?P<end>\r?\n)).*?(<!-- rows: end -->)", re.DOTALL
@@ -46,26 +49,37 @@ BLOCK = re.compile(
 Maker = Callable[[Sequence[Any]], str]
 
 
-def _finds(rows: Sequence[Exploration]) -> str:
-    """After the last rotation and where the explorer stops."""
-    return finds((max(row.rotations for row in rows), STOP), rows).body()
+def _ends(rows: Sequence[Exploration]) -> list[EndRow]:
+    """Where explorations end after the last rotation, and where the explorer stops."""
+    return end_rows((max(row.rotations for row in rows), STOP), rows)
 
 
+def _bodies(
+    makers: Mapping[str, Callable[[Any], Table]], ready: Callable[[Any], Any] = lambda rows: rows
+) -> dict[str, Maker]:
+    """What makes Markdown of rows, which ``ready`` turns into those that the tables are made of."""
+
+    def body(make: Callable[[Any], Table], rows: Sequence[Any]) -> str:
+        return make(ready(rows)).body()
+
+    return {name: partial(body, make) for name, make in makers.items()}
+
+
+FOUND: dict[str, Callable[[Any], Table]] = {"finds": finds, "counts": counts, "reliability": reliability}
+GAINED: dict[str, Callable[[Any], Table]] = {"gains": gains, "losses": losses}
 MAKERS: dict[type[Any], dict[str, Maker]] = {
-    MissionRow: {"missions": lambda rows: missions(rows).body()},
-    Separation: {"gains": lambda rows: gains(rows).body(), "losses": lambda rows: losses(rows).body()},
-    Exploration: {
-        "finds": _finds,
-        "counts": lambda rows: counts(rows).body(),
-        "reliability": lambda rows: reliability(rows).body(),
-    },
-    MotionRow: {"motions": lambda rows: motions(rows).body()},
-    CalibrationRow: {"calibrations": lambda rows: calibrations(rows).body()},
-    NoiseRow: {"noises": lambda rows: noises(rows).body()},
-    AboveRow: {"above": lambda rows: above(rows).body()},
+    MissionRow: _bodies({"missions": missions}),
+    Separation: _bodies(GAINED, gain_rows),
+    GainRow: _bodies(GAINED),
+    Exploration: _bodies(FOUND, _ends),
+    EndRow: _bodies(FOUND),
+    MotionRow: _bodies({"motions": motions}),
+    CalibrationRow: _bodies({"calibrations": calibrations}),
+    NoiseRow: _bodies({"noises": noises}),
+    AboveRow: _bodies({"above": above}),
     live_tables.Row: {"live": live_tables.tables},
-    BenchmarkSeparation: {"benchmark-separation": lambda rows: separation_table(rows).body()},
-    BenchmarkLocalization: {"benchmark-localization": lambda rows: localization_table(rows).body()},
+    BenchmarkSeparation: _bodies({"benchmark-separation": separation_table}),
+    BenchmarkLocalization: _bodies({"benchmark-localization": localization_table}),
 }
 
 

@@ -19,15 +19,19 @@ from ross_payload.clock import SystemClock
 from ross_payload.errors import OutputError, refused_as
 from ross_payload.plugins import install_line
 from ross_sim.study.dask_engine import Basis, cluster
+from ross_sim.study.exploration_ends import EndRow, end_rows
+from ross_sim.study.exploration_tables import finds
 from ross_sim.study.figures import draw
+from ross_sim.study.layout_gains import GainRow, gain_rows
 from ross_sim.study.motion_rows import MotionRow, motion_rows, motions
 from ross_sim.study.oracle_separators import ORACLES
-from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, decode
+from ross_sim.study.result_rows import ESTIMATED, Exploration, Result, Separation, Timing, decode
 from ross_sim.study.row_files import has_parquet, write_csv, write_parquet
+from ross_sim.study.separation_tables import gains, losses
 from ross_sim.study.study_case import Failure, attempt
 from ross_sim.study.study_design import ALL, Shard, Study, Task, chosen, mixed, tasks
 from ross_sim.study.study_store import Rows, Store, manifest
-from ross_sim.study.tables import Table, tables
+from ross_sim.study.tables import Table
 from ross_sim.study.talker_placement import Source, check_voices, heard_as, voices_of
 from ross_sim.study.task_engine import Engine, EngineChoice, Named, processes, serial
 
@@ -206,7 +210,13 @@ def write(store: Store[Result], study: Study) -> list[Table]:
     for name, kind in (("separations", Separation), ("explorations", Exploration), ("timings", Timing)):
         write_rows(store, name.replace("timings", "timing"), StoredRows(store, done, name), kind)
     separations, explorations = (list(StoredRows(store, done, name)) for name in ("separations", "explorations"))
-    made = tables(study, separations, explorations)
+    made = []
+    if separations:
+        made += _separating(store, gain_rows(separations))
+    if explorations:
+        ends = end_rows(study.rotations, explorations)
+        write_rows(store, "ends", ends, EndRow)
+        made.append(finds(ends))
     if any(study.turning_deg_s):
         compared = motion_rows(explorations)
         write_rows(store, "motions", compared, MotionRow)
@@ -215,6 +225,12 @@ def write(store: Store[Result], study: Study) -> list[Table]:
     with refused_as(OutputError, f"{store.folder}: figures cannot be written"):
         draw(store.folder, separations, explorations)
     return made
+
+
+def _separating(store: Store[Result], rows: Sequence[GainRow]) -> list[Table]:
+    write_rows(store, "gains", rows, GainRow)
+    estimated = any(row.how == ESTIMATED for row in rows)
+    return [gains(rows), losses(rows)] if estimated else [gains(rows)]
 
 
 def write_rows(store: Store[Any], name: str, rows: Iterable[Any], kind: type[Any]) -> None:

@@ -1,0 +1,82 @@
+"""Explorations where they end: of every one a row per schedule, with what the tables of who was found need."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from ross_payload.angles import difference
+from ross_sim.study.exploration import NEAR_DEG
+from ross_sim.study.result_rows import Exploration
+from ross_sim.study.study_case import stopped
+from ross_sim.study.study_design import STOP
+from ross_sim.study.tables import grouped
+
+FAR_DEG = 60.0  # to match sources and talkers nothing is farther apart
+
+
+@dataclass(frozen=True, slots=True)
+class EndRow:
+    """What is believed where a schedule of an exploration ends."""
+
+    setting: str
+    k: int
+    layout: int
+    seed: int
+    version: str
+    start: int
+    explorer: str
+    unit_s: float
+    turning_deg_s: float  # 0: step by step
+    schedule: str  # a number of rotations, or stop
+    rotations: int
+    errors_deg: tuple[float, ...]  # of every talker's own estimate; 180 for a talker without one
+    confidences: tuple[float, ...]  # of every source
+    there: tuple[bool, ...]  # whether a talker of its own is near
+
+    @property
+    def k_estimated(self) -> int:
+        """How many sources were found."""
+        return len(self.confidences)
+
+    @property
+    def right(self) -> bool:
+        """K is right and every azimuth is near."""
+        return self.k_estimated == self.k and max(self.errors_deg, default=0.0) <= NEAR_DEG
+
+    @property
+    def exploration(self) -> Hashable:
+        """Of which exploration it is."""
+        return (
+            self.setting, self.k, self.layout, self.seed, self.start, self.explorer, self.unit_s, self.turning_deg_s
+        )  # fmt: skip
+
+
+def end_rows(schedules: Sequence[int | str], rows: Iterable[Exploration]) -> list[EndRow]:
+    """The rows at which the schedules end, exploration by exploration; none for more rotations than there were."""
+    found = []
+    for task in grouped(rows, lambda row: (row.seed, row.task)).values():
+        ordered = sorted(task, key=lambda row: row.rotations)
+        for schedule in schedules:
+            end = stopped([row.certain for row in ordered]) if schedule == STOP else int(schedule)
+            found += [_end(schedule, row) for row in ordered if row.rotations == end]
+    return found
+
+
+def _end(schedule: int | str, row: Exploration) -> EndRow:
+    return EndRow(
+        row.setting, row.k, row.layout, row.seed, row.version, row.start, row.explorer, row.unit_s, row.turning_deg_s,
+        str(schedule), row.rotations, row.errors_deg, row.confidences, _there(row),
+    )  # fmt: skip
+
+
+def _there(row: Exploration) -> tuple[bool, ...]:
+    """Whether a talker of its own is near every source: they are matched so that the errors are least in all."""
+    apart = np.rad2deg(np.abs(difference(np.deg2rad(row.azimuths_deg)[:, None], np.deg2rad(row.azimuths_true_deg))))
+    near = np.zeros(len(row.azimuths_deg), dtype=bool)
+    mine, theirs = linear_sum_assignment(np.minimum(apart, FAR_DEG))
+    near[mine] = apart[mine, theirs] <= NEAR_DEG
+    return tuple(near.tolist())
