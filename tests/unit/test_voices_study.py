@@ -11,49 +11,72 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clip
 from ross_payload.voiceprint import built_in_model, enrol
 from ross_payload.voiceprint.features import RATE as VOICE_RATE
-from ross_sim.study import calibration_voices, voiceprint_study
+from ross_sim.study import calibration_voices, voice_print_rows, voiceprint_study
 from ross_sim.study.room_settings import SETTINGS
-from ross_sim.study.voiceprint_study import Trial, intervals, separated_voice, summary
+from ross_sim.study.voice_print_rows import (
+    NEAR,
+    VoicePrintRow,
+    equal_error_rate,
+    errors,
+    intervals,
+    split,
+    voice_prints,
+)
+from ross_sim.study.voiceprint_study import separated_voice
 from ross_sim.talkers.speech import TalkerVoice, load_folder
 from speaker_network import vowel
 
 RATE = 24000
 
 
-def trial(room, talker, print_of, value, present=True):
-    return Trial(room, 0, 3.0, True, talker, print_of, present, value)
+def row(room, targets, near, mixture=0, **changes):
+    return replace(VoicePrintRow("built-in", room, 0, mixture, 3.0, targets, 4, near), **changes)
+
+
+def lines(rows):
+    return {line[0]: line[1:] for line in voice_prints(rows).rows}
 
 
 def test_every_room_has_a_line_of_its_own_errors():
-    found = [trial("S1", "a", "a", 1.0), trial("S1", "b", "a", -1.0), trial("S1", "b", "c", -1.0, present=False)]
-    found += [trial("S2", "a", "a", -1.0), trial("S2", "b", "a", 1.0), trial("S2", "b", "c", 1.0, present=False)]
-    rows = [line.split() for line in summary(found)[1:]]
-    assert [row[0] for row in rows] == ["S1", "S2"]
-    assert [row[4:8] for row in rows] == [["0.0", "(0-0)"] * 2, ["100.0", "(100-100)"] * 2]  # false rejects, accepts
+    assert lines([row("S1", (1.0, 2.0), (0.4,)), row("S2", (-1.0, 0.0), (0.6, 0.7, 0.8, 0.9))]) == {
+        "S1, 3 s": ("2, 4", "0.0 (0-0)", "0.0 (0-0)", "0.0 (0-0)"),
+        "S2, 3 s": ("2, 4", "100.0 (100-100)", "100.0 (100-100)", "100.0 (100-100)"),
+    }
 
 
-def test_the_rooms_have_a_line_together_which_leaves_the_open_one_out(monkeypatch):
-    monkeypatch.setattr(voiceprint_study, "REDRAWN", 100)
-    found = []
-    for room, value in (("S1", 9.0), ("S2", 1.0), ("S3", -1.0)):
-        found += [trial(room, "a", "a", value), trial(room, "b", "a", -5.0), trial(room, "b", "c", -5.0, present=False)]
-    lines = [line.split() for line in summary(found)[1:]]
-    assert [line[0] for line in lines] == ["S1", "S2", "S3", "rooms"]
-    assert lines[-1][4:6] == ["50.0", "(0-100)"]  # one of two, and whichever is drawn
-    assert "(2 targets, 4 strangers)" in summary(found)[-1]
-    assert lines[-1][10] == "100.0"  # each is compared with whom it shares a mixture
+def test_the_rooms_have_lines_together_and_by_seed_which_leave_the_open_one_out(monkeypatch):
+    monkeypatch.setattr(voice_print_rows, "REDRAWN", 100)
+    found = [row("S1", (-9.0,), ()), row("S2", (1.0,), ()), row("S3", (-1.0,), (0.6, 0.1))]
+    made = lines(found)
+    assert list(made) == ["S1, 3 s", "S2, 3 s", "S3, 3 s", "rooms together, 3 s"]
+    assert made["rooms together, 3 s"][0] == "2, 8"
+    assert made["rooms together, 3 s"][2:] == ("50.0 (50-50)", "12.5 (12-12)")  # the mixture of both rooms is one
+    made = lines([*found, row("S2", (2.0, 3.0), (), seed=1)])
+    assert made["rooms together, 3 s"][2] == "25.0 (0-50)"
+    assert made["rooms together, seed 1, 3 s"] == ("2, 4", "0.0 (0-0)", "0.0 (0-0)", "0.0 (0-0)")
+
+
+def test_models_have_lines_of_their_own():
+    assert list(lines([row("S1", (1.0,), ()), row("S1", (1.0,), (), model="net")])) == [
+        "built-in, S1, 3 s", "net, S1, 3 s"
+    ]  # fmt: skip
 
 
 def test_an_interval_is_as_wide_as_mixtures_differ():
-    alike = [
-        Trial("S1", scene, 3.0, True, who, "a", True, value)
-        for scene in range(9)
-        for who, value in (("a", 1.0), ("b", -1.0))
-    ]
+    alike = [row("S1", (1.0,), (), mixture) for mixture in range(9)]
     assert np.all(intervals(alike) == 0.0)
-    one_fails = [replace(each, value=-2.0) if (each.scene, each.talker) == (0, "a") else each for each in alike]
-    low, high = intervals(one_fails)
-    assert low[0] == 0.0 < 1 / 9 < high[0] < 0.5
+    low, high = intervals([row("S1", (-2.0,), ()), *alike[1:]])
+    assert low[1] == 0.0 < 1 / 9 < high[1] < 0.5
+
+
+def test_the_equal_error_rate_needs_no_more_of_strangers_than_that_they_are_far():
+    rng = np.random.default_rng(0)
+    targets, strangers = rng.normal(4.0, 3.0, 50), rng.normal(-4.0, 3.0, 2000)
+    values, same = np.concatenate([targets, strangers]), np.arange(2050) < 50
+    found = VoicePrintRow("built-in", "S1", 0, 0, 3.0, *split(values, same))
+    assert (len(found.targets), found.strangers) == (50, 2000)
+    assert len(found.near) == np.sum(np.round(strangers, 2) > NEAR) < 600
+    assert errors([found])[0] == equal_error_rate(np.round(targets, 2), np.round(strangers, 2))
 
 
 @pytest.mark.parametrize(("room", "least"), rows_in_soak(("S1", 0.8), ("S2", 0.5)))
@@ -89,15 +112,19 @@ def test_every_separated_voice_is_scored_against_every_print(monkeypatch):
     monkeypatch.setattr(voiceprint_study, "RATE", VOICE_RATE)
     heard = [(3.0, True, voices, voice.name, Clip(voice.speech)) for voice in voices]
     monkeypatch.setattr(voiceprint_study, "scenes", lambda *_: iter(heard))
+    monkeypatch.setattr(voiceprint_study, "DURATIONS", (3.0,))
     made = []
     monkeypatch.setattr(voiceprint_study, "enrol", lambda *told: made.append((told[0], enrol(*told))) or made[-1][1])
-    found = list(voiceprint_study.trials(voices, built_in_model(), "S1", 1, 0))
-    assert len(found) == 9
+    (found,) = voiceprint_study.measured(voices, {"built-in": built_in_model()}, "S1", 1, 0)
     prints = {voice.name: print_ for voice in voices for clip, print_ in made if clip is voice.enrolment}
-    for each in found:
-        voice = next(voice for voice in voices if voice.name == each.talker)
-        assert each.value == pytest.approx(prints[each.print_of].score(voice.speech, VOICE_RATE).value)
-    assert all(each.value > 0 for each in found if each.talker == each.print_of)
+    own = [prints[voice.name].score(voice.speech, VOICE_RATE).value for voice in voices]
+    assert found.targets == pytest.approx(own, abs=0.006)
+    others = [
+        prints[name].score(voice.speech, VOICE_RATE).value for voice in voices for name in prints if name != voice.name
+    ]
+    assert found.strangers == 6
+    assert found.near == pytest.approx([value for value in others if round(value, 2) > NEAR], abs=0.006)
+    assert all(value > 0 for value in found.targets)
 
 
 def test_the_built_in_model_is_calibrated_by_whole_voices(monkeypatch, tmp_path):

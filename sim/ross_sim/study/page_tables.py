@@ -42,6 +42,7 @@ from ross_sim.study.row_files import read_rows
 from ross_sim.study.separation_tables import gains, losses
 from ross_sim.study.study_design import STOP
 from ross_sim.study.tables import Table
+from ross_sim.study.voice_print_rows import VoicePrintRow, voice_prints
 
 BLOCK = re.compile(
     r"(<!-- rows: (?P<rows>[^,>]+), table: (?P<table>\S+) -->(?P<end>\r?\n)).*?(<!-- rows: end -->)", re.DOTALL
@@ -77,6 +78,7 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
     CalibrationRow: _bodies({"calibrations": calibrations}),
     NoiseRow: _bodies({"noises": noises}),
     AboveRow: _bodies({"above": above}),
+    VoicePrintRow: _bodies({"voice-prints": voice_prints}),
     live_tables.Row: {"live": live_tables.tables},
     BenchmarkSeparation: _bodies({"benchmark-separation": separation_table}),
     BenchmarkLocalization: _bodies({"benchmark-localization": localization_table}),

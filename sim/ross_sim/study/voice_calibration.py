@@ -18,7 +18,8 @@ from ross_payload.voiceprint.embedding_print import unit
 from ross_payload.voiceprint.features import Features
 from ross_sim.study.calibrate_voice_model import BUILT_IN_MARGIN, logistic
 from ross_sim.study.calibration_voices import Heard
-from ross_sim.study.voiceprint_study import CRITERION, DURATIONS, equal_error_rate
+from ross_sim.study.voice_print_rows import CRITERION, equal_error_rate
+from ross_sim.study.voiceprint_study import DURATIONS
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -3,25 +3,24 @@
 Three talkers stand around the array in each room of `--rooms`, white noise 15 dB below the mixture, azimuths known.
 The array turns to each talker's best heading, the separator `auto` separates what it hears for T_check or T_run, and
 the group that holds this talker is scored against the print of everybody in the folder, enrolled from a clean clip, or
-with ``--enrol pointed`` from what is separated of another such mixture, as the order to enrol does. In brackets: 95 %
-intervals by drawing whole mixtures anew.
+with ``--enrol pointed`` from what is separated of another such mixture, as the order to enrol does.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ross_payload.alignment.predicted_gain import best_headings
-from ross_payload.config import Exploit
+from ross_payload.atomic_files import replacing
 from ross_payload.dsp.stft import Stft
-from ross_payload.errors import AudioError
+from ross_payload.errors import AudioError, OutputError, refused_as
 from ross_payload.interfaces import Clip, Real
 from ross_payload.separation.auto_separator import separator
 from ross_payload.voiceprint import EmbeddingPrint, VoiceModel, enrol, model_folder
@@ -32,66 +31,65 @@ from ross_payload.voiceprint.features import at_rate
 from ross_sim.study.mixtures import FRAME, HOP, RATE, excerpt, layouts, record, scene_of
 from ross_sim.study.option_types import NATURAL, POSITIVE, argument
 from ross_sim.study.room_settings import SETTINGS, Setting
-from ross_sim.study.script_errors import told_by
+from ross_sim.study.row_files import as_csv
+from ross_sim.study.script_errors import expect_writable, told_by
+from ross_sim.study.voice_print_rows import VoicePrintRow, split, voice_prints
 from ross_sim.talkers.speech import TalkerVoice, load_folder
 from ross_sim.talkers.synthetic_voices import synthetic_voices
 
 DURATIONS = (3.0, 10.0)  # T_check, T_run [s]
-CRITERION = Exploit().criterion  # of missions, unless it is set [nat]
 TALKERS = 3
-REDRAWN = 1000  # times, for intervals
-COLUMNS = ("false rejects", "false accepts", "EER", "identified", "mixtures rejected")
 ROOMS = ("S1", "S2", "S3", "A0.45")
 OUTSIDE = ("ls3005", "ls3331", "ls2414", "ls3080", "ls533")  # whom no model was trained or chosen on
 
 
-@dataclass(frozen=True, slots=True)
-class Trial:
-    """One recording, alone or separated, against one print."""
-
-    room: str
-    scene: int  # trials with one number come from one mixture
-    seconds: float
-    separated: bool
-    talker: str
-    print_of: str
-    present: bool  # the enrolled talker is in the mixture
-    value: float  # [nat]
-
-
-def equal_error_rate(targets: Real, strangers: Real) -> float:
-    """Share of errors at the threshold where rejected targets (n,) and accepted strangers (m,) are as frequent.
-
-    >>> equal_error_rate(np.array([1.0, 2, 3, 4]), np.array([-3.0, -2, -1, 1.5]))
-    0.25
-    """
-    thresholds = np.sort(np.concatenate([targets, strangers]))
-    rejected = np.searchsorted(np.sort(targets), thresholds, side="right") / targets.size
-    accepted = 1 - np.searchsorted(np.sort(strangers), thresholds, side="right") / strangers.size
-    best = int(np.argmin(np.abs(rejected - accepted)))
-    return float((rejected[best] + accepted[best]) / 2)
-
-
-def trials(
-    voices: Sequence[TalkerVoice], model: VoiceModel, room: str, draws: int, seed: int, *, pointed: bool = False
-) -> Iterator[Trial]:
-    """Draw mixtures of three talkers in a room and score every talker, clean and separated, against every print."""
+def measured(
+    voices: Sequence[TalkerVoice],
+    models: Mapping[str, VoiceModel],
+    room: str,
+    draws: int,
+    seed: int,
+    *,
+    pointed: bool = False,
+) -> Iterator[VoicePrintRow]:
+    """Draw mixtures of three talkers in a room; compare every separated voice with every print of every model."""
     rng = np.random.default_rng(seed)
-    prints = {}
-    for voice in voices:
-        with suppress(AudioError):  # who says too little to be enrolled is heard all the same
-            prints[voice.name] = enrol(voice.enrolment, voice.rate, model)
+    prints = {name: _prints(voices, model, room, seed, pointed=pointed) for name, model in models.items()}
+    for mixture in range(draws):
+        heard = [each for each in scenes(voices, room, rng) if each[1]]  # not the clean ones
+        for seconds in DURATIONS:
+            clips = [(talker, clip) for duration, _, _, talker, clip in heard if duration == seconds]
+            for name, model in models.items():
+                found = split(*_compared(clips, model, prints[name]))
+                yield VoicePrintRow(name, room, seed, mixture, seconds, *found)
+
+
+def _prints(
+    voices: Sequence[TalkerVoice], model: VoiceModel, room: str, seed: int, *, pointed: bool
+) -> dict[str, EmbeddingPrint]:
+    """Prints by talker; who says too little to be enrolled has none, and is heard all the same."""
     if pointed:
         own = np.random.default_rng([seed, 1])  # the mixtures to be scored are those of clean prints
-        prints = {voice.name: pointed_print(voices, voice, room, model, own) for voice in voices}
-    for scene in range(draws):
-        for seconds, separated, chosen, talker, clip in scenes(voices, room, rng):
-            heard = at_rate(clip.samples, RATE)
-            embedding = model.embed(heard)
-            for name, one in prints.items():
-                present = any(other.name == name for other in chosen)
-                value = one.compared(embedding, len(heard) / VOICE_RATE, clip.poorness).value
-                yield Trial(room, scene, seconds, separated, talker, name, present, value)
+        return {voice.name: pointed_print(voices, voice, room, model, own) for voice in voices}
+    prints = {}
+    for voice in voices:
+        with suppress(AudioError):
+            prints[voice.name] = enrol(voice.enrolment, voice.rate, model)
+    return prints
+
+
+def _compared(
+    clips: Sequence[tuple[str, Clip]], model: VoiceModel, prints: Mapping[str, EmbeddingPrint]
+) -> tuple[Real, NDArray[np.bool_]]:
+    """What every print says of every voice [nat], and whether it is the talker's own, (n,) each."""
+    values, same = [], []
+    for talker, clip in clips:
+        heard = at_rate(clip.samples, RATE)
+        embedding = model.embed(heard)
+        for name, one in prints.items():
+            values.append(one.compared(embedding, len(heard) / VOICE_RATE, clip.poorness).value)
+            same.append(name == talker)
+    return np.array(values), np.array(same, bool)
 
 
 def scenes(
@@ -123,71 +121,6 @@ def pointed_print(
     azimuths = layouts(TALKERS, 1, rng)[1]
     voice = separated_voice(clips, azimuths, 0, SETTINGS[room], rng)
     return enrol(voice.samples, RATE, model, separated=True)
-
-
-def values_of(part: Sequence[Trial]) -> tuple[Real, Real]:
-    """Return the values of those who are whom they are compared with, (n,), and of strangers, (m,)."""
-    same = np.array([trial.talker == trial.print_of for trial in part], bool)
-    values = np.array([trial.value for trial in part])
-    return values[same], values[~same]
-
-
-def errors(targets: Real, strangers: Real) -> Real:
-    """Return false rejects and false accepts at the criterion, and the equal error rate, (3,)."""
-    return np.array(
-        [np.mean(targets <= CRITERION), np.mean(strangers > CRITERION), equal_error_rate(targets, strangers)]
-    )
-
-
-def intervals(part: Sequence[Trial]) -> Real:
-    """Return where 95 % of `errors` lie when whole mixtures are drawn anew with replacement, (2, 3)."""
-    mixtures: dict[tuple[str, int], list[Trial]] = {}
-    for trial in part:
-        mixtures.setdefault((trial.room, trial.scene), []).append(trial)
-    values = [values_of(trials) for trials in mixtures.values()]
-    rng, found = np.random.default_rng(0), []
-    for _ in range(REDRAWN):
-        drawn = rng.integers(len(values), size=len(values))
-        targets, strangers = (np.concatenate([values[index][kind] for index in drawn]) for kind in (0, 1))
-        if targets.size and strangers.size:
-            found.append(errors(targets, strangers))
-    return np.asarray(np.percentile(found, [2.5, 97.5], axis=0))
-
-
-def summary(found: Sequence[Trial]) -> list[str]:
-    """Lines of a table: errors at the criterion, equal error rate, identification, mixtures without the target.
-
-    The last lines are of all rooms but the open one together, when there are several.
-    """
-    lines = [f"{'':21s}" + "".join(f"{name:>18s}" for name in COLUMNS)]
-    parts: dict[tuple[str, bool, float], list[Trial]] = {}
-    for trial in found:
-        parts.setdefault((trial.room, trial.separated, trial.seconds), []).append(trial)
-    for room, separated, seconds in list(parts):
-        if SETTINGS[room].t60:
-            parts.setdefault(("rooms", separated, seconds), []).extend(parts[room, separated, seconds])
-    several = len({room for room, *_ in parts if room != "rooms" and SETTINGS[room].t60}) > 1
-    for (room, separated, seconds), part in parts.items():
-        if room != "rooms" or several:
-            lines.append(f"{room:5s} {'separated' if separated else 'clean':9s} {seconds:3.0f} s {_row(part)}")
-    return lines
-
-
-def _row(part: Sequence[Trial]) -> str:
-    rivals: dict[tuple[str, int, str], list[Trial]] = {}
-    for trial in part:
-        rivals.setdefault((trial.room, trial.scene, trial.print_of), []).append(trial)
-    best = [max(group, key=lambda trial: trial.value) for group in rivals.values()]
-    right = [trial.talker == trial.print_of for trial in best if trial.present]
-    rejected = [trial.value <= CRITERION for trial in best if not trial.present]
-    low, high = intervals(part)
-    cells = [
-        f"{100 * share:.1f} ({100 * least:.0f}-{100 * most:.0f})"
-        for share, least, most in zip(errors(*values_of(part)), low, high, strict=True)
-    ]
-    cells += [f"{100 * float(np.mean(shares)):.1f}" if shares else "-" for shares in (right, rejected)]
-    targets = sum(trial.talker == trial.print_of for trial in part)
-    return "".join(f"{cell:>18s}" for cell in cells) + f"   ({targets} targets, {len(part) - targets} strangers)"
 
 
 def separated_voice(
@@ -238,22 +171,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--speech", type=Path, help="folder of talkers; default: the synthetic voices")
     parser.add_argument("--talkers", nargs="*", default=list(OUTSIDE), help="of that folder; default: all")
     parser.add_argument("--built-in", type=Path, help="another built-in model (.npz) than the one shipped")
-    parser.add_argument("--model", default="built-in", help="a network that `ross voice-model add` keeps")
+    parser.add_argument("--models", nargs="+", default=["built-in"], help="built-in, or what `ross voice-model` keeps")
     parser.add_argument("--rooms", nargs="+", choices=SETTINGS, default=["S1"], help=f"such as {' '.join(ROOMS)}")
     parser.add_argument("--enrol", choices=("clean", "pointed"), default="clean", help="what prints are made from")
     parser.add_argument("--draws", type=argument(POSITIVE), default=20, help="mixtures in every room")
-    parser.add_argument("--seed", type=argument(NATURAL), default=0)
+    parser.add_argument("--seeds", nargs="+", type=argument(NATURAL), default=[0])
+    parser.add_argument("--out", type=Path, help="file for the rows (.csv), for `ross study table`")
     asked = parser.parse_args(arguments)
     with told_by(parser):
+        if asked.out:
+            expect_writable(asked.out)
         voices = load_folder(asked.speech, RATE, asked.talkers) if asked.speech else synthetic_voices(RATE)
-        model = model_folder.ModelFolder.default().in_use(asked.model)
+        models = {name: model_folder.ModelFolder.default().in_use(name) for name in asked.models}
         if asked.built_in:
-            model = read_model(model_folder.read_model(asked.built_in), asked.built_in.name)
+            models = {asked.built_in.name: read_model(model_folder.read_model(asked.built_in), asked.built_in.name)}
     pointed = asked.enrol == "pointed"
     found = [
-        trial for room in asked.rooms for trial in trials(voices, model, room, asked.draws, asked.seed, pointed=pointed)
+        row
+        for seed in asked.seeds
+        for room in asked.rooms
+        for row in measured(voices, models, room, asked.draws, seed, pointed=pointed)
     ]
-    sys.stdout.write("\n".join([", ".join(voice.name for voice in voices), *summary(found)]) + "\n")
+    if asked.out:
+        with told_by(parser), refused_as(OutputError, f"{asked.out}: cannot be written"), replacing(asked.out) as path:
+            path.write_bytes(as_csv(found, VoicePrintRow))
+    sys.stdout.write(f"{', '.join(voice.name for voice in voices)}\n\n{voice_prints(found).markdown()}")
     return 0
 
 
