@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ross_sim.study.separation_cost import BLIND, Cost, blind_auxiva, comparison, growth, label, peers
+from ross_sim.study.cost_rows import BLIND, CostRow, costs, growth
+from ross_sim.study.separation_cost import OURS, blind_auxiva, grown, peers
 from ross_sim.study.workload import SNR_DB, VOICE_RATE, Case, prepared
 
 TINY = Case(rate=16000, seconds=1.0)
@@ -67,15 +68,19 @@ def test_the_libraries_give_two_parts_of_microphone_1_in_our_axes_and_the_same_a
 
 def test_a_ratio_is_of_the_same_mixture():
     """Twice the cost on each mixture is a ratio of 2, whichever mixture is the dearer one."""
-    base = [Cost(BLIND, "S1", 1.0, 0.0), Cost(BLIND, "S2", 10.0, 0.0)]
-    both = [*base, *(replace(cost, method="gaussian") for cost in base)]
-    twice = [replace(cost, method="x", seconds=2 * cost.seconds) for cost in base]
-    assert comparison([*both, *twice])[-1].split(" | ")[2:4] == ["2.0", "2.0"]
+    blank = CostRow(BLIND, "S1", 3, 24000, 10.0, 0, 0, None, 1.0, 0.0)
+    base = [blank, replace(blank, setting="S2", cpu_s_s=10.0)]
+    both = [*base, *(replace(row, method="gaussian") for row in base)]
+    twice = [replace(row, method="x", cpu_s_s=2 * row.cpu_s_s) for row in base]
+    assert costs([*both, *twice]).rows[-1][2:4] == ("2.0", "2.0")
 
 
 @pytest.mark.soak
 def test_every_growing_number_has_a_row_of_its_own(voices):
-    lines = growth("K", [replace(TINY, n_sources=k, seconds=0.5) for k in (2, 3)], voices, 1, 0)
-    assert [line.split(" | ")[0] for line in lines[2:]] == ["| 2", "| 3"]
-    assert len({line.count("|") for line in lines}) == 1
-    assert label("duration [s]", Case(seconds=30.0)) == "30"
+    rows = grown("K", [replace(TINY, n_sources=k, seconds=0.5) for k in (2, 3)], voices, 1, 0)
+    table = growth(rows)
+    assert [line[0] for line in table.rows] == ["K = 2", "K = 3"]
+    assert table.header[1:] == ("simulation", "STFT", *OURS)
+    assert {len(line) for line in table.rows} == {len(table.header)}
+    (line,) = growth([replace(rows[0], growing="duration", duration_s=30.0)]).rows
+    assert line[0] == "30 s"

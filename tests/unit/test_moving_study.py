@@ -1,6 +1,7 @@
 """The study of talkers who move: what is known at the start, who walks where, and what its table says."""
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +9,8 @@ import pytest
 
 from ross_payload.events import Outcome
 from ross_sim.study import moving_talkers
-from ross_sim.study.moving_talkers import APART, WALKS, Case, Row, staged, table
+from ross_sim.study.moving_rows import MovingRow, moving
+from ross_sim.study.moving_talkers import APART, WALKS, Case, staged
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -39,32 +41,26 @@ def test_one_walks_at_its_speed_and_away_from_the_others(speed):
     assert np.abs((azimuths[walker] - others + 180) % 360 - 180).min() > APART - 1e-6
 
 
-def test_the_table_has_a_line_for_every_room_and_speed_with_the_rms_over_missions():
-    def row(setting, seed, rms, known):
-        return Row(
-            case=Case(setting, 5.0, seed),
-            walker="somebody",
-            walker_is_target=False,
-            walker_rms_deg=rms,
-            others_rms_deg=0.0,
-            normalised=1.0,
-            turns=4,
-            explorations=0,
-            si_sdr_db=8.0,
-            known_si_sdr_db=known,
-            followed=1.0,
-        )
+def row(**changes):
+    """A mission in which everybody was followed, with changes."""
+    return replace(
+        MovingRow("S1", 5.0, 0, 3, "true", "ann", False, 3.0, 0.0, 1.0, 1.0, 4, 0, si_sdr_db=8.0, known_si_sdr_db=9.0),
+        **changes,
+    )
 
-    lines = table([row("S1", 0, 3.0, 9.0), row("S1", 1, 4.0, 10.0), row("S2", 0, 2.0, 8.0)])
-    assert len(lines) == 4
-    cells = [cell.strip() for cell in lines[2].split("|")[1:-1]]
-    assert cells[:3] == ["S1, 5 deg/s", "2", f"{math.sqrt(12.5):.1f}"]
-    assert cells[-2:] == ["1.5", "1.5"]
+
+def test_the_table_has_a_line_for_every_start_room_and_speed_with_the_rms_over_missions():
+    rows = [row(), row(seed=1, walker_rms_deg=6.0, known_si_sdr_db=10.0), row(setting="S2"), row(start="explored")]
+    lines = {line[0]: line[1:] for line in moving(rows).rows}
+    assert list(lines) == ["S1, 5 deg/s", "S2, 5 deg/s", "explored, S1, 5 deg/s"]
+    assert lines["S1, 5 deg/s"] == (
+        "2", f"{math.sqrt(22.5):.1f}", "4.5", "1", "0.0", "100 %", "1.00", "4.0", "0", "1.5", "1.5"
+    )  # fmt: skip
 
 
 def test_the_tracker_alone_has_no_loss_in_the_table():
-    alone = Row(Case("S1", 5.0, 0), "somebody", False, 3.0, 0.0, 1.0, 4, 0, math.nan, math.nan, 1.0)
-    assert [cell.strip() for cell in table([alone])[2].split("|")[-3:-1]] == ["-", "-"]
+    (line,) = moving([row(si_sdr_db=None, known_si_sdr_db=None)]).rows
+    assert line[-2:] == ("-", "-")
 
 
 def test_a_mission_that_ctrl_c_stopped_is_no_row(monkeypatch, capsys):

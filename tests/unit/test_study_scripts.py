@@ -111,7 +111,7 @@ def test_a_mistake_ends_with_one_line_and_exit_code_2(
         (fit_evidence_in_noise, ["{none}", "{none}", "{file}/out"], "{file} is a file"),
         (fit_talker_evidence, ["{none}", "{out}", "{file}/deep/out"], "{file} is a file"),
         (calibrate_voice_model, ["{none}", "{folder}", "--speech", "{none}"], "{folder}: expected a file"),
-        (moving_talkers, ["--json", "{folder}"], "{folder}: expected a file"),
+        (moving_talkers, ["--out", "{folder}"], "{folder}: expected a file"),
     ],
 )
 def test_scripts_with_a_parser_of_their_own_say_the_same(

@@ -1,11 +1,9 @@
 """How well talkers below the array are found and separated: `python -m ross_sim.study.elevation_study --speech DIR`.
 
 The array hovers in the open, 5 m above the mouths of K talkers at elevations of -20 to -60 deg; all else is as in
-`exploration`, and the first row of every K has the talkers as high as the array. A row gives how often K is right, how
-often also all azimuths are within 10 deg, the mean error of those azimuths, how many of these elevations are within
-10 deg (one that is not told counts as 0) and their mean error. With `--align`, every talker of a scene with all found
-is the target once: mean SI-SDRi of the local Gaussian model at the heading and with the TDOAs that follow from the true
-places, from the estimated ones, and from the estimated azimuths alone.
+`exploration`, and in half of the scenes the talkers are as high as the array. With `--align`, every talker of a scene
+with all found is the target once: SI-SDRi of the local Gaussian model at the heading and with the TDOAs that follow
+from the true places, from the estimated ones, and from the estimated azimuths alone.
 """
 
 from __future__ import annotations
@@ -28,11 +26,14 @@ from ross_payload.dsp.steering import tdoa
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Explorer, Real, Samples
 from ross_sim.study import exploration
+from ross_sim.study.elevation_rows import ElevationRow, below
 from ross_sim.study.exploration import NEAR_DEG
 from ross_sim.study.mixtures import RATE, gains, record
 from ross_sim.study.option_types import NATURAL, POSITIVE, argument
+from ross_sim.study.result_rows import degrees, number
 from ross_sim.study.room_settings import DISTANCE, SPACING, SPEED_OF_SOUND, Setting
-from ross_sim.study.script_errors import told_by
+from ross_sim.study.row_files import as_csv
+from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.study.talker_placement import standard_voices
 
 COUNTS = (2, 3, 4, 5)  # K
@@ -99,18 +100,17 @@ def explore(field: Field, k: int, key: Sequence[int], voices: Sequence[Samples],
     return ExploredField(field, heard.azimuths, heard.voices, joint.estimate(heard.observations))
 
 
-def row(explored: Sequence[ExploredField]) -> str:
-    """Everything that is said of some layouts."""
-    k_right = np.mean([one.estimate.k == len(one.azimuths) for one in explored])
-    right = [(one, one.found) for one in explored if one.found]
-    azimuth, elevation = [], []
-    for one, found in right:
-        azimuth += [abs(difference(source.azimuth, a)) for source, a in zip(found or (), one.azimuths, strict=True)]
-        told = [source.elevation or 0.0 for source in found or ()]
-        elevation += np.abs(np.array(told) - one.field.elevations(one.azimuths)).tolist()
-    within = np.mean(np.rad2deg(elevation) <= NEAR_DEG)
-    errors = f"{np.rad2deg(np.mean(azimuth)):11.2f}  {within:15.3f}  {np.rad2deg(np.mean(elevation)):13.2f}"
-    return f"{k_right:7.2f}  {len(right) / len(explored):9.2f}  {errors}"
+def row_of(one: ExploredField, k: int, layout: int, seed: int, rotations: int, *, separate: bool) -> ElevationRow:
+    """Everything that is said of a layout; ``separate``: with what every talker gains, where all are found."""
+    found, true = one.found or (), one.field.elevations(one.azimuths)
+    azimuth = [abs(float(difference(source.azimuth, a))) for source, a in zip(found, one.azimuths, strict=bool(found))]
+    elevation = [abs((source.elevation or 0.0) - float(e)) for source, e in zip(found, true, strict=bool(found))]
+    gained = list(zip(*aligned(one, seed), strict=True)) if separate and found else [(), (), ()]
+    return ElevationRow(
+        one.field.name, k, layout, seed, rotations, one.estimate.k,
+        tuple(map(degrees, azimuth)), tuple(map(degrees, elevation)),
+        *(tuple(map(number, gains)) for gains in gained),
+    )  # fmt: skip
 
 
 def aligned(explored: ExploredField, seed: int) -> Iterator[tuple[float, ...]]:
@@ -145,23 +145,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--align", type=argument(NATURAL), default=0, help="also separate so many layouts of every K > 2"
     )
+    parser.add_argument("--out", type=Path, help="file for the rows (.csv), for `ross study table`")
     asked = parser.parse_args(arguments)
     with told_by(parser):
+        if asked.out:
+            expect_writable(asked.out)
         voices = [voice.speech for voice in standard_voices(asked.speech, RATE, max(COUNTS))]
-    sys.stdout.write("rotations  field  K right  all right  error [deg]  elevation right  its error [deg]\n")
     with threadpool_limits(1):
-        for rotations, field in product(asked.rotations, FIELDS):
-            keys = list(product(COUNTS, range(asked.layouts)))
-            every = [explore(field, k, [asked.seed, k, n], voices, rotations) for k, n in keys]
-            sys.stdout.write(f"{rotations:9d}  {field.name}  {row(every)}\n")
-            right = [one for (k, n), one in zip(keys, every, strict=True) if k > 2 and n < asked.align and one.found]
-            found = [gain for one in right for gain in aligned(one, asked.seed)] if field.above else []
-            if found:
-                sys.stdout.write(
-                    "SI-SDRi [dB]: true {:.2f}, estimated {:.2f}, azimuths alone {:.2f}".format(*np.mean(found, axis=0))
-                    + f" ({len(found)} targets)\n"
-                )
-            sys.stdout.flush()
+        rows = [
+            row_of(
+                explore(field, k, [asked.seed, k, layout], voices, rotations),
+                k, layout, asked.seed, rotations, separate=bool(field.above) and k > 2 and layout < asked.align,
+            )
+            for rotations, field, k, layout in product(asked.rotations, FIELDS, COUNTS, range(asked.layouts))
+        ]  # fmt: skip
+    sys.stdout.write(below(rows).markdown())
+    if asked.out:
+        with told_by(parser):
+            write_result(asked.out, as_csv(rows, ElevationRow))
     return 0
 
 

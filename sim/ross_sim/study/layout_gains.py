@@ -40,7 +40,7 @@ class GainRow:
 def gain_rows(rows: Iterable[Separation]) -> list[GainRow]:
     """One row for every layout, in the order in which they come."""
     return [
-        GainRow(*case, targets=len(group), si_sdri_db=number(float(np.mean([row.si_sdri_db for row in group]))) or 0.0)
+        GainRow(*case, targets=len(group), si_sdri_db=number(float(np.mean([row.si_sdri_db for row in group]))))
         for case, group in grouped(
             rows,
             lambda row: (

@@ -20,7 +20,7 @@ import json
 import math
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -41,8 +41,11 @@ from ross_sim.sitl.mission_session import Finished, perform
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.talker_selection import TalkerSelection
 from ross_sim.study.mixtures import spread
+from ross_sim.study.moving_rows import MovingRow, moving, rms
 from ross_sim.study.option_types import NATURAL, POSITIVE, CommaSeparated, argument
+from ross_sim.study.result_rows import number
 from ross_sim.study.room_settings import SETTINGS, check_rooms
+from ross_sim.study.row_files import as_csv
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of
@@ -69,28 +72,6 @@ class Case:
     def sets_out(self) -> float:
         """When somebody sets out [s]."""
         return SETS_OUT[self.start]
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One mission, and the same with known azimuths."""
-
-    case: Case
-    walker: str  # name
-    walker_is_target: bool
-    walker_rms_deg: float  # of the azimuth while it walks
-    others_rms_deg: float
-    normalised: float  # root mean square of the walker's errors over their sigmas
-    turns: int  # while listening
-    explorations: int  # new ones while somebody walks
-    si_sdr_db: float  # mean over the periods while somebody walks
-    known_si_sdr_db: float  # the same with known azimuths
-    followed: float  # share of the time in which the walker's error is below 15 deg
-
-    @property
-    def lost_db(self) -> float:
-        """What is lost against known azimuths."""
-        return self.known_si_sdr_db - self.si_sdr_db
 
 
 class Counter(MissionView):
@@ -159,7 +140,7 @@ def staged(case: Case, rng: np.random.Generator) -> tuple[Scenario, int]:
     return validated(Scenario, values, "study"), walker
 
 
-def row(case: Case, voices: Sequence[TalkerVoice], kept: Path | None = None, *, alone: bool = False) -> Row:
+def row(case: Case, voices: Sequence[TalkerVoice], kept: Path | None = None, *, alone: bool = False) -> MovingRow:
     """Fly one mission twice; what known azimuths give is kept in a folder, where there is one.
 
     For the tracker ``alone`` it is flown once, and there is no SI-SDR.
@@ -180,18 +161,22 @@ def row(case: Case, voices: Sequence[TalkerVoice], kept: Path | None = None, *, 
     mine = np.array([[t["azimuth_error_deg"], t["sigma_deg"]] for t in tracks if t["name"] == name]).reshape(-1, 2)
     rest = np.array([t["azimuth_error_deg"] for t in tracks if t["name"] not in (name, None)])
     target: list[str] = next((p["talkers"] for p in heard.report["periods"]), [])
-    return Row(
-        case=case,
+    return MovingRow(
+        setting=case.setting,
+        speed_deg_s=case.speed_deg_s,
+        seed=case.seed,
+        k=case.k,
+        start=case.start,
         walker=name,
         walker_is_target=target == [name],
-        walker_rms_deg=_rms(mine[:, 0]),
-        others_rms_deg=_rms(rest),
-        normalised=_rms(mine[:, 0] / mine[:, 1]),
+        walker_rms_deg=number(rms(mine[:, 0])),
+        others_rms_deg=number(rms(rest)),
+        normalised=number(rms(mine[:, 0] / mine[:, 1])),
+        followed=number(float(np.mean(np.abs(mine[:, 0]) < 15.0))) if len(mine) else math.nan,
         turns=counter.turns,
         explorations=counter.explorations,
-        si_sdr_db=math.nan if alone else quality(heard, case),
-        known_si_sdr_db=math.nan if alone else _known(case, scenario, company, kept),
-        followed=float(np.mean(np.abs(mine[:, 0]) < 15.0)) if len(mine) else math.nan,
+        si_sdr_db=None if alone else number(quality(heard, case)),
+        known_si_sdr_db=None if alone else number(_known(case, scenario, company, kept)),
     )
 
 
@@ -228,36 +213,6 @@ def quality(mission: Finished, case: Case) -> float:
     return float(np.mean(values)) if values else math.nan
 
 
-def table(rows: Sequence[Row]) -> list[str]:
-    """Lines of the table, one per room and speed."""
-    lines = [
-        "| room, speed | missions | walker, rms [deg] | median | others | within 15 deg | error / sigma | turns "
-        "| new explorations | lost [dB] | median |",
-        "| --- " * 11 + "|",
-    ]
-    for setting, speed in dict.fromkeys((each.case.setting, each.case.speed_deg_s) for each in rows):
-        some = [each for each in rows if (each.case.setting, each.case.speed_deg_s) == (setting, speed)]
-        errors, lost = np.array([each.walker_rms_deg for each in some]), np.array([each.lost_db for each in some])
-        cells = [
-            f"{setting}, {speed:g} deg/s",
-            f"{len(some)}",
-            f"{_rms(errors):.1f}",
-            f"{np.median(errors):.1f}",
-            f"{_rms(np.array([each.others_rms_deg for each in some])):.1f}",
-            f"{100 * np.mean([each.followed for each in some]):.0f} %",
-            f"{_rms(np.array([each.normalised for each in some])):.2f}",
-            f"{np.mean([each.turns for each in some]):.1f}",
-            f"{sum(each.explorations for each in some)}",
-            *("-" if np.isnan(lost).all() else f"{value:.1f}" for value in (np.mean(lost), np.median(lost))),
-        ]
-        lines.append(f"| {' | '.join(cells)} |")
-    return lines
-
-
-def _rms(values: Real) -> float:
-    return float(np.sqrt(np.mean(np.asarray(values, dtype=float) ** 2))) if len(values) else math.nan
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print one line per mission, and the table; 130 when it was interrupted."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -279,14 +234,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--talkers", type=argument(POSITIVE), default=3)
     parser.add_argument("--known", type=Path, help="folder where missions with known azimuths are kept")
     parser.add_argument("--tracker-alone", action="store_true", help="fly once: what is lost is not measured")
-    parser.add_argument("--json", type=Path, help="also write the rows there")
+    parser.add_argument("--out", type=Path, help="file for the rows (.csv), for `ross study table`")
     asked = parser.parse_args(arguments)
     with told_by(parser):
-        if asked.json:
-            expect_writable(asked.json)
+        if asked.out:
+            expect_writable(asked.out)
         check_rooms(asked.settings)
         voices = voices_of(asked.speech, RATE)
-    rows: list[Row] = []
+    rows: list[MovingRow] = []
     try:
         for setting in asked.settings:
             for speed in asked.speeds:
@@ -298,10 +253,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         sys.stderr.write(f"interrupted after {len(rows)} missions\n")
         return int(Outcome.STOPPED)
-    sys.stdout.write("\n".join(table(rows)) + "\n")
-    if asked.json:
+    sys.stdout.write(moving(rows).markdown())
+    if asked.out:
         with told_by(parser):
-            write_result(asked.json, (json.dumps([asdict(each) for each in rows], indent=1) + "\n").encode())
+            write_result(asked.out, as_csv(rows, MovingRow))
     return 0
 
 

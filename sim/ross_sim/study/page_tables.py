@@ -30,13 +30,18 @@ from ross_sim.study.benchmark.benchmark_rows import (
     separation_table,
 )
 from ross_sim.study.calibration_rows import CalibrationRow, calibrations
+from ross_sim.study.cost_rows import CostRow, costs, growth
+from ross_sim.study.elevation_rows import ElevationRow, below
 from ross_sim.study.exploration_ends import EndRow, end_rows
 from ross_sim.study.exploration_tables import counts, finds, reliability
+from ross_sim.study.heading_rows import HeadingRow, headings
 from ross_sim.study.layout_gains import GainRow, gain_rows
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
 from ross_sim.study.motion_rows import MotionRow, motions
+from ross_sim.study.moving_rows import MovingRow, moving
 from ross_sim.study.noise_rows import NoiseRow, noises
+from ross_sim.study.resting_rows import RestingRow, resting
 from ross_sim.study.result_rows import Exploration, Separation
 from ross_sim.study.row_files import read_rows
 from ross_sim.study.separation_tables import gains, losses
@@ -78,6 +83,11 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
     CalibrationRow: _bodies({"calibrations": calibrations}),
     NoiseRow: _bodies({"noises": noises}),
     AboveRow: _bodies({"above": above}),
+    RestingRow: _bodies({"resting": resting}),
+    MovingRow: _bodies({"moving": moving}),
+    ElevationRow: _bodies({"below": below}),
+    HeadingRow: _bodies({"headings": headings}),
+    CostRow: _bodies({"costs": costs, "growth": growth}),
     VoicePrintRow: _bodies({"voice-prints": voice_prints}),
     live_tables.Row: {"live": live_tables.tables},
     BenchmarkSeparation: _bodies({"benchmark-separation": separation_table}),

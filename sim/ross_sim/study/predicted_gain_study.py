@@ -25,10 +25,13 @@ from ross_payload.alignment.plan import isolation
 from ross_payload.angles import Real
 from ross_payload.interfaces import Separator
 from ross_payload.option_types import NumberRange
+from ross_sim.study.heading_rows import HeadingRow, headings
 from ross_sim.study.mixtures import RATE, aligned_heading, gains, layouts, record
 from ross_sim.study.option_types import NATURAL, CommaSeparated
+from ross_sim.study.result_rows import number
 from ross_sim.study.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting, check_rooms
-from ross_sim.study.script_errors import told_in_a_line
+from ross_sim.study.row_files import as_csv
+from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
 from ross_sim.study.study_design import Study
 from ross_sim.study.talker_placement import Source, check_voices, voices_of
 
@@ -109,13 +112,22 @@ def _isolation(azimuths: Real, headings: Real) -> Real:
     return isolation(azimuths, headings, SPACING, SPEED_OF_SOUND)
 
 
-def line(name: str, n_sources: int, found: Sequence[Curve]) -> str:
-    """One line of the table of regrets."""
-    regrets = [curve.regret_db for curve in found]
-    ranks = [float(spearmanr(curve.predicted, curve.si_sdri_db).statistic) for curve in found]
-    cells = " ".join(f"{np.mean([regret[rule] for regret in regrets]):8.2f}" for rule in regrets[0])
-    best = np.mean([curve.si_sdri_db.max() for curve in found])
-    return f"{name:5} K{n_sources} {best:8.2f} {cells} {np.mean(ranks):8.2f} ({len(found)} targets)"
+def row_of(curve: Curve, setting: str, layout: int, seed: int) -> HeadingRow:
+    """What is kept of a curve."""
+    lost = {rule: number(each) for rule, each in curve.regret_db.items()}
+    return HeadingRow(
+        setting=setting,
+        k=len(curve.azimuths),
+        layout=layout,
+        target=curve.target,
+        seed=seed,
+        best_db=number(float(curve.si_sdri_db.max())),
+        gain_db=lost["gain"],
+        paper_db=lost["paper"],
+        isolation_db=lost["argmax"],
+        mean_db=lost["mean"],
+        rank=number(float(spearmanr(curve.predicted, curve.si_sdri_db).statistic)),
+    )
 
 
 @click.command()
@@ -135,6 +147,7 @@ def line(name: str, n_sources: int, found: Sequence[Curve]) -> str:
 @click.option("--step-deg", type=NumberRange(1, 90), default=15.0, show_default=True)
 @click.option("--seconds", type=NumberRange(2, 10), default=6.0, show_default=True)
 @click.option("--seed", type=NATURAL, default=0, show_default=True)
+@click.option("--out", type=click.Path(path_type=Path), help="File for the rows (.csv), for `ross study table`.")
 def main(
     *,
     speech: Path,
@@ -144,20 +157,26 @@ def main(
     step_deg: float,
     seconds: float,
     seed: int,
+    out: Path | None,
 ) -> None:
     """Print what is lost [dB] by the heading of every rule, and the constants that fit best."""
     found: dict[str, list[Curve]] = {name: [] for name in rooms}
     with told_in_a_line():
+        if out is not None:
+            expect_writable(out)
         check_rooms(rooms)
         talkers = voices_of(Source(speech, (), RATE))
         check_voices(talkers, Study(run_s=seconds))
         voices = [voice.speech[: round(seconds * RATE)] for voice in talkers]
-        click.echo("             best " + " ".join(f"{rule:>8}" for rule in (*RULES, "mean", "rank")))
+        rows: list[HeadingRow] = []
         for name, size in product(rooms, sizes):
             with threadpool_limits(1):
                 cell = list(curves(voices, size, SETTINGS[name], count, seed, step_deg=step_deg))
-            click.echo(line(name, size, cell))
+            rows += [row_of(curve, name, index // size + 1, seed) for index, curve in enumerate(cell)]
             found[name] += cell
+        click.echo(headings(rows).markdown())
+        if out is not None:
+            write_result(out, as_csv(rows, HeadingRow))
     for name, cell in found.items():
         reach, echoes, between = fit(cell)
         click.echo(f"{name:5} s = {reach:.3f} d / v_p, r = {echoes:.3f}, m = {between:.3f}")

@@ -1,7 +1,7 @@
 """Talkers who rest while the array listens: how often the tracker wrongly says that somebody has moved.
 
 ``python -m ross_sim.study.resting_talkers --speech DIR [--settings S1,S2,A0.45] [--k 3,4] [--draws 8] [--seed S]
-[--unexplored]``
+[--unexplored] [--out ROWS.csv]``
 
 K talkers speak for 16 s around an array that rests at the best heading for one of them. The tracker begins with their
 azimuths, wrong by as much as an exploration of that room is, and with the directness that one tells of it (`TOLD`);
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,11 +28,13 @@ from ross_payload.localization import tracking
 from ross_payload.localization.phase_statistics import FrameStatistics, statistics
 from ross_payload.mission.source_tracking import ECHOES, UPDATE, SourceTracker
 from ross_sim.study.exploration import render
-from ross_sim.study.intervals import wilson
 from ross_sim.study.mixtures import SNR_DB, spread
 from ross_sim.study.option_types import NATURAL, POSITIVE, CommaSeparated, argument
+from ross_sim.study.resting_rows import RestingRow, resting
+from ross_sim.study.result_rows import number
 from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
-from ross_sim.study.script_errors import told_by
+from ross_sim.study.row_files import as_csv
+from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.talkers.synthetic_voices import voices_of
 
 RATE = 16000  # [Hz]
@@ -51,15 +53,6 @@ class Scene:
     azimuths: Real  # [rad], (k,)
     heading: float  # [rad]
     heard: tuple[FrameStatistics, ...]  # every `UPDATE`
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """What the tracker said of one scene."""
-
-    moved_at_s: float | None  # when it first said that somebody has moved
-    share: float  # of the corrections after which somebody was said to have moved
-    worst_deg: float  # farthest that such a track was from where its talker rested
 
 
 def scene_of(setting: str, k: int, seed: int, voices: Sequence[Samples], seconds: float = SECONDS) -> Scene:
@@ -82,7 +75,7 @@ def scene_of(setting: str, k: int, seed: int, voices: Sequence[Samples], seconds
     return Scene(setting, azimuths, heading, tuple(heard))
 
 
-def tracked(scene: Scene, seed: int, *, directness: float | None = None, explored: bool = True) -> Outcome:
+def tracked(scene: Scene, seed: int, *, directness: float | None = None, explored: bool = True) -> RestingRow:
     """Let the tracker hear a scene; ``directness``: told instead of what an exploration tells of such a room.
 
     If it was not ``explored`` nothing is told of the room.
@@ -107,21 +100,11 @@ def tracked(scene: Scene, seed: int, *, directness: float | None = None, explore
             first, said = time if first is None else first, said + 1
             off = np.abs(difference(tracker.tracks.azimuths, scene.azimuths))[tracker.moved]
             worst = max(worst, float(np.degrees(off.max())))
-    return Outcome(first, said / len(scene.heard), worst)
-
-
-def outcomes(
-    settings: Sequence[str], ks: Sequence[int], seeds: Sequence[int], voices: Sequence[Samples], *, explored: bool
-) -> Iterator[tuple[str, int, list[Outcome]]]:
-    """Every room and K, scene by scene."""
-    for setting in settings:
-        for k in ks:
-            scenes = ((seed, scene_of(setting, k, seed, voices)) for seed in seeds)
-            yield setting, k, [tracked(scene, seed, explored=explored) for seed, scene in scenes]
+    return RestingRow(scene.setting, anchor.k, seed, explored, first, number(said / len(scene.heard)), number(worst))
 
 
 def main(arguments: Sequence[str]) -> None:
-    """Print a table in Markdown."""
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, help="folder of recordings; default: synthetic voices")
     parser.add_argument(
@@ -135,31 +118,29 @@ def main(arguments: Sequence[str]) -> None:
         "--seed", type=argument(NATURAL), default=0, help="of the first draw; the next have the next seeds"
     )
     parser.add_argument("--unexplored", action="store_true", help="azimuths are told, and nothing of the room")
+    parser.add_argument("--out", type=Path, help="file for the rows (.csv), for `ross study table`")
     given = parser.parse_args(arguments)
     settings, ks = given.settings, given.k
     for name, found, allowed in (("settings", settings, TOLD), ("k", ks, KS)):
         if unknown := [each for each in found if each not in allowed]:
             parser.error(f"--{name}: expected some of {', '.join(allowed)}, got '{unknown[0]}'")
     with told_by(parser):
+        if given.out:
+            expect_writable(given.out)
         voices = [voice.speech for voice in voices_of(given.speech, RATE)]
     if len(voices) < max(map(int, ks)):
         parser.error(f"--speech: expected {max(map(int, ks))} talkers or more, got {len(voices)}")
-    columns = ("room", "K", "false moves", "95 %", "share of the time", "farthest [deg]")
-    _line(columns)
-    _line(["---"] * len(columns))
     seeds = range(given.seed, given.seed + given.draws)
-    counts = [int(k) for k in ks]
-    for setting, k, found in outcomes(settings, counts, seeds, voices, explored=not given.unexplored):
-        wrong = sum(outcome.moved_at_s is not None for outcome in found)
-        low, high = wilson(wrong, len(found))
-        share = np.mean([outcome.share for outcome in found])
-        worst = max(outcome.worst_deg for outcome in found)
-        _line([setting, k, f"{wrong}/{len(found)}", f"{low:.2f}-{high:.2f}", f"{share:.2f}", f"{worst:.0f}"])
-
-
-def _line(cells: Sequence[object]) -> None:
-    sys.stdout.write(f"| {' | '.join(map(str, cells))} |\n")
-    sys.stdout.flush()
+    rows = [
+        tracked(scene_of(setting, int(k), seed, voices), seed, explored=not given.unexplored)
+        for setting in settings
+        for k in ks
+        for seed in seeds
+    ]
+    sys.stdout.write(resting(rows).markdown())
+    if given.out:
+        with told_by(parser):
+            write_result(given.out, as_csv(rows, RestingRow))
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import sys
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -144,6 +144,12 @@ def degrees(angle: float) -> float:
     return round(float(np.rad2deg(angle)), DIGITS)
 
 
+@overload
+def number(value: float) -> float: ...
+@overload
+def number(value: None) -> None: ...
+@overload
+def number(value: float | None) -> float | None: ...
 def number(value: float | None) -> float | None:
     """Round a number to the digits that are written down."""
     return None if value is None else round(float(value), DIGITS)

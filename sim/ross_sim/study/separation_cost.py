@@ -9,12 +9,12 @@ method's outputs the one nearest to the target is scored. Costs on another machi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from statistics import mean, median
+from statistics import median
 
 import click
 import numpy as np
@@ -28,8 +28,10 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
 from ross_payload.separation import auxiva
 from ross_sim.study.baselines import library
+from ross_sim.study.cost_rows import BLIND, CostRow, costs, growth
 from ross_sim.study.option_types import NATURAL
-from ross_sim.study.script_errors import told_in_a_line
+from ross_sim.study.row_files import as_csv
+from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
 from ross_sim.study.workload import VOICE_RATE, Case, Peer, Work, cpu_seconds, prepared
 from ross_sim.talkers.speech import load_folder
 
@@ -37,15 +39,14 @@ AXES = (2, 1, 0)  # pyroomacoustics: (n_frames, n_freqs, n_channels)
 SEED = 0  # of the random starts
 BASES = 2  # of ILRMA and FastMNMF per source, in both libraries
 OURS = ("duet", "mvdr", "lcmv", "auxiva", "iva", "gaussian", "refined")
-BLIND = f"auxiva, blind, {auxiva.ITERATIONS} iterations"
 ITERATIONS = (auxiva.ITERATIONS, 40, 50)  # of AuxIVA, ILRMA and FastMNMF, in every library
 ROOMS, TARGETS = ("S1", "S2"), (0, 1)  # of the mixtures on which methods are compared
 PEERS = 1  # repeats of the slow ones, per mixture
 GROWTH: dict[str, tuple[Case, ...]] = {
     "K": tuple(Case(n_sources=k) for k in (2, 3, 4, 5, 6)),
     "room": tuple(Case(setting=setting) for setting in ("S1", "S2", "S3")),
-    "rate [Hz]": tuple(Case(rate=rate) for rate in (16000, 24000, 48000)),
-    "duration [s]": tuple(Case(seconds=seconds) for seconds in (3.0, 10.0, 30.0, 60.0)),
+    "rate": tuple(Case(rate=rate) for rate in (16000, 24000, 48000)),
+    "duration": tuple(Case(seconds=seconds) for seconds in (3.0, 10.0, 30.0, 60.0)),
 }
 
 
@@ -107,16 +108,6 @@ def _ssspy_fastmnmf(spectrogram: Complex, iterations: int, outputs: int) -> Comp
     return np.asarray(method(spectrogram, n_iter=iterations, initial_call=False))
 
 
-@dataclass(frozen=True, slots=True)
-class Cost:
-    """One method on one mixture."""
-
-    method: str
-    setting: str
-    seconds: float  # of CPU per second of audio
-    gain: float  # SI-SDRi [dB]
-
-
 def blind_auxiva(work: Work) -> Complex:
     """Our AuxIVA from the identity and without the Wiener gain, as the libraries have it, (2, n_freqs, n_frames)."""
     spectrogram, frequencies = work.spectrogram, work.stft.frequencies
@@ -140,14 +131,22 @@ def theirs(peer: Peer, work: Work) -> Complex:
     return peer.call(work.spectrogram.astype(np.complex128), peer.iterations, 2)
 
 
-def measured(method: str, call: Callable[[Work], Complex], work: Work, case: Case, repeats: int) -> Cost:
+def measured(method: str, call: Callable[[Work], Complex], work: Work, case: Case, repeats: int) -> CostRow:
     """Time one method on one mixture and score it."""
     outputs: list[Complex] = []
     seconds = cpu_seconds(lambda: outputs.append(call(work)), repeats)
-    return Cost(method, case.setting, seconds / case.seconds, work.gain(outputs[0]))
+    return replace(row_of(method, case, None, seconds), si_sdri_db=round(work.gain(outputs[0]), 3))
 
 
-def compared(voices: Sequence[Real], repeats: int, seed: int) -> list[Cost]:
+def row_of(method: str, case: Case, growing: str | None, seconds: float) -> CostRow:
+    """The row of so much CPU time [s]."""
+    return CostRow(
+        method, case.setting, case.n_sources, case.rate, case.seconds, case.target, case.seed, growing,
+        round(seconds / case.seconds, 5),
+    )  # fmt: skip
+
+
+def compared(voices: Sequence[Real], repeats: int, seed: int) -> list[CostRow]:
     """Every method on every mixture, one after the other so that all meet the machine in the same state."""
     methods: list[tuple[str, Callable[[Work], Complex], int]] = [(n, partial(ours, n), repeats) for n in OURS]
     methods.append((BLIND, blind_auxiva, repeats))
@@ -155,84 +154,48 @@ def compared(voices: Sequence[Real], repeats: int, seed: int) -> list[Cost]:
         (f"{peer.library}: {peer.method}, {peer.iterations} iterations", partial(theirs, peer), PEERS)
         for peer in peers(*ITERATIONS)
     ]
-    costs = []
+    rows = []
     for case in (Case(setting=room, target=target, seed=seed) for room in ROOMS for target in TARGETS):
         work = prepared(case, voices)
         ours("gaussian", work)  # warms up
-        costs += [measured(name, call, work, case, count) for name, call, count in methods]
-    return costs
+        rows += [measured(name, call, work, case, count) for name, call, count in methods]
+    return rows
 
 
-def comparison(costs: Iterable[Cost]) -> list[str]:
-    """Lines of the table of `compared`; a ratio is the median of the ratios on each mixture.
-
-    >>> both = [Cost("gaussian", "S1", 0.02, 15.0), Cost(BLIND, "S1", 0.01, 5.0), Cost("x", "S1", 0.2, 7.0)]
-    >>> comparison(both)[-1]
-    '| x | 0.2000 | 10.0 | 20.0 | 7.0 |'
-    """
-    by_method: dict[str, list[Cost]] = {}
-    for cost in costs:
-        by_method.setdefault(cost.method, []).append(cost)
-    rooms = sorted({cost.setting for rows in by_method.values() for cost in rows})
-    lines = [f"| method | CPU s/s | / `gaussian` | / `auxiva`, blind | {' | '.join(f'{r} [dB]' for r in rooms)} |"]
-    lines.append("| --- " * (4 + len(rooms)) + "|")
-    for method, rows in by_method.items():
-        ratios = [_ratio(rows, by_method[base]) for base in ("gaussian", BLIND)]
-        gains = [mean(row.gain for row in rows if row.setting == room) for room in rooms]
-        cells = [f"{median(row.seconds for row in rows):.4f}", *(f"{ratio:.1f}" for ratio in ratios)]
-        lines.append(f"| {' | '.join([method, *cells, *(f'{gain:.1f}' for gain in gains)])} |")
-    return lines
-
-
-def _ratio(rows: Sequence[Cost], base: Sequence[Cost]) -> float:
-    return median(row.seconds / other.seconds for row, other in zip(rows, base, strict=True))
-
-
-def growth(title: str, cases: Sequence[Case], voices: Sequence[Real], repeats: int, seed: int) -> list[str]:
-    """Lines of one table: what every part costs [CPU s per s of audio] as one number of the task grows."""
-    lines = [f"| {title} | simulation | STFT | {' | '.join(OURS)} |", "| --- " * (3 + len(OURS)) + "|"]
-    for case in cases:
-        works = [prepared(replace(case, seed=seed), voices) for _ in range(repeats)]
+def grown(growing: str, cases: Sequence[Case], voices: Sequence[Real], repeats: int, seed: int) -> list[CostRow]:
+    """What every part costs as one number of the task grows."""
+    rows = []
+    for case in (replace(case, seed=seed) for case in cases):
+        works = [prepared(case, voices) for _ in range(repeats)]
         work = works[0]
-        calls = [partial(work.stft.analyse, work.mixture), *(partial(ours, name, work) for name in OURS)]
-        costs = [median(each.simulation for each in works), *(cpu_seconds(call, repeats) for call in calls)]
-        cells = [f"{cost / case.seconds:.4f}" for cost in costs]
-        lines.append(f"| {' | '.join([label(title, case), *cells])} |")
-    return lines
-
-
-def label(title: str, case: Case) -> str:
-    """Name of a row.
-
-    >>> label("rate [Hz]", Case(rate=16000))
-    '16000'
-    """
-    return {
-        "K": f"{case.n_sources}",
-        "room": case.setting,
-        "rate [Hz]": f"{case.rate}",
-        "duration [s]": f"{case.seconds:g}",
-    }[title]
+        rows.append(row_of("simulation", case, growing, median(each.simulation for each in works)))
+        calls = {"STFT": partial(work.stft.analyse, work.mixture)} | {name: partial(ours, name, work) for name in OURS}
+        rows += [row_of(name, case, growing, cpu_seconds(call, repeats)) for name, call in calls.items()]
+    return rows
 
 
 @click.command()
 @click.option("--speech", type=click.Path(path_type=Path), default=Path("../shared/speech"), show_default=True)
 @click.option("--repeats", type=click.IntRange(min=1), default=3, show_default=True)
 @click.option("--seed", type=NATURAL, default=0, show_default=True)
-def main(speech: Path, repeats: int, seed: int) -> None:
+@click.option("--out", type=click.Path(path_type=Path), help="File for the rows (.csv), for `ross study table`.")
+def main(speech: Path, repeats: int, seed: int, out: Path | None) -> None:
     """Print one table of methods and one for everything that makes the task grow."""
     with threadpool_limits(1), np.errstate(all="ignore"):
         with told_in_a_line():
+            if out is not None:
+                expect_writable(out)
             voices = [voice.speech for voice in load_folder(speech, VOICE_RATE)]
             need = max(case.n_sources for cases in GROWTH.values() for case in cases)
             if len(voices) < need:
                 raise ConfigError(f"{speech}: expected {need} talkers, got {len(voices)}")
-        lines = comparison(compared(voices, repeats, seed))
-        click.echo("\n".join(lines))
-        for title, cases in GROWTH.items():
-            click.echo("")
-            for line in growth(title, cases, voices, repeats, seed):
-                click.echo(line)
+        rows = compared(voices, repeats, seed)
+        for growing, cases in GROWTH.items():
+            rows += grown(growing, cases, voices, repeats, seed)
+    click.echo(f"{costs(rows).markdown()}\n{growth(rows).markdown()}")
+    if out is not None:
+        with told_in_a_line():
+            write_result(out, as_csv(rows, CostRow))
 
 
 if __name__ == "__main__":

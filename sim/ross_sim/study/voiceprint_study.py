@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ross_payload.alignment.predicted_gain import best_headings
-from ross_payload.atomic_files import replacing
 from ross_payload.dsp.stft import Stft
-from ross_payload.errors import AudioError, OutputError, refused_as
+from ross_payload.errors import AudioError
 from ross_payload.interfaces import Clip, Real
 from ross_payload.separation.auto_separator import separator
 from ross_payload.voiceprint import EmbeddingPrint, VoiceModel, enrol, model_folder
@@ -32,7 +31,7 @@ from ross_sim.study.mixtures import FRAME, HOP, RATE, excerpt, layouts, record, 
 from ross_sim.study.option_types import NATURAL, POSITIVE, argument
 from ross_sim.study.room_settings import SETTINGS, Setting
 from ross_sim.study.row_files import as_csv
-from ross_sim.study.script_errors import expect_writable, told_by
+from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.study.voice_print_rows import VoicePrintRow, split, voice_prints
 from ross_sim.talkers.speech import TalkerVoice, load_folder
 from ross_sim.talkers.synthetic_voices import synthetic_voices
@@ -193,8 +192,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for row in measured(voices, models, room, asked.draws, seed, pointed=pointed)
     ]
     if asked.out:
-        with told_by(parser), refused_as(OutputError, f"{asked.out}: cannot be written"), replacing(asked.out) as path:
-            path.write_bytes(as_csv(found, VoicePrintRow))
+        with told_by(parser):
+            write_result(asked.out, as_csv(found, VoicePrintRow))
     sys.stdout.write(f"{', '.join(voice.name for voice in voices)}\n\n{voice_prints(found).markdown()}")
     return 0
 
