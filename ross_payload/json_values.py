@@ -22,6 +22,15 @@ def finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
+def encodable(text: str) -> str:
+    r"""Return a text as UTF-8 can hold it: bytes of a file's name that are none are written as escapes.
+
+    >>> encodable("fl\udcffight.tlog")
+    'fl\\udcffight.tlog'
+    """
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
 def named(value: Any, number: Callable[[float], float] = float) -> Any:
     """Return plain values of anything: entries of an enumeration by name, dataclasses by field.
 

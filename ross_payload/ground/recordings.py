@@ -7,6 +7,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+from ross_payload.json_values import encodable
+
 
 @dataclass(frozen=True, slots=True)
 class Recording:
@@ -38,4 +40,4 @@ class RecordingStore(Protocol):
 
 def described(store: RecordingStore) -> dict[str, Any]:
     """Return the folder and what is in it, as the page tells them."""
-    return {"folder": str(store.folder.absolute()), "known": [asdict(each) for each in store.recordings()]}
+    return {"folder": encodable(str(store.folder.absolute())), "known": [asdict(each) for each in store.recordings()]}

@@ -32,7 +32,7 @@ from ross_payload.ground.flights.playback import relevant_frames
 from ross_payload.ground.flights.reading import Flight
 from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.payload_state import PayloadState, StatusText
-from ross_payload.json_values import finite
+from ross_payload.json_values import encodable, finite
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import ross
@@ -111,7 +111,7 @@ def export(flight: Flight, payloads: tuple[ComponentId, ...], path: Path) -> Non
     """
     context = Context()
     options = MCAPWriteOptions(profile="", compression_threads=0, disable_seeking=True)
-    about = {"flight": flight.name, "time": "since the first frame" if flight.start is None else "UNIX"}
+    about = {"flight": encodable(flight.name), "time": "since the first frame" if flight.start is None else "UNIX"}
     with refused_as(GroundError, f"{path}: cannot be written"), replacing(path, OWN) as aside, aside.open("wb") as raw:
         file = _File(raw)
         with open_mcap(cast(BinaryIO, file), context=context, writer_options=options) as writer:

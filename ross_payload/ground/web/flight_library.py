@@ -22,6 +22,7 @@ from ross_payload.ground.flights.log_file import CALENDAR_FROM_US, is_simulated
 from ross_payload.ground.flights.mcap_import import glimpse, unpacked
 from ross_payload.ground.flights.reading import LOGS, UNPACKED, open_flight
 from ross_payload.ground.flights.sound import sound_files
+from ross_payload.json_values import encodable
 
 TLOG, MCAP, PART = ".tlog", ".mcap", ".part"  # of flights; of one that has not wholly come
 MAX_BYTES = 256 << 20  # of a flight that is uploaded
@@ -175,11 +176,11 @@ class FlightLibrary(AbstractContextManager["FlightLibrary"]):
         return folder / next(name for name in names if name not in taken)
 
     def _named(self) -> Iterator[tuple[str, Path]]:
-        """Yield every flight's name and path; a session goes by the name of its folder."""
+        """Yield every flight's name, as UTF-8 can hold it, and path; a session goes by the name of its folder."""
         if self._folder is not None and self._folder.is_dir():
             for path in sorted(self._folder.iterdir()):
                 if path.suffix in (TLOG, MCAP) or _in_folder(path):
-                    yield path.name, path
+                    yield encodable(path.name), path
         if self._uploaded is not None:
             brought = sorted(Path(self._uploaded.name).iterdir())
             yield from ((path.name, path) for path in brought if path.suffix in (TLOG, MCAP))
@@ -232,7 +233,7 @@ def _summary(name: str, path: Path) -> dict[str, Any]:
 
 
 def _unread(name: str, why: str) -> dict[str, Any]:
-    return {"name": name, "duration": None, "start": None, "simulated": False, "notes": [why]}
+    return {"name": name, "duration": None, "start": None, "simulated": False, "notes": [encodable(why)]}
 
 
 def _glimpse(name: str, log: Path) -> dict[str, Any]:

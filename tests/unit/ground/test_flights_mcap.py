@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import resource
 import subprocess
 import sys
@@ -271,3 +272,10 @@ def test_the_script_of_the_manual_reads_the_export(flown, tmp_path):
     script = page.split("```python\n")[1].split("```")[0]
     said = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert said.stdout == "0.0 2 1.5\n"
+
+
+def test_a_flight_whose_name_is_no_utf_8_is_exported(tmp_path):
+    log = tmp_path / os.fsdecode(b"fl\xffight.tlog")
+    log.write_bytes(record(UNIX, Encoder(1, 191).encode(Text(Severity.INFO, "hello"))))
+    _, _, about = exported(open_flight(log), tmp_path / "flight.mcap")
+    assert about[0].metadata["flight"] == "fl\\udcffight.tlog"

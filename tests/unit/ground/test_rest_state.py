@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+import os
 from dataclasses import replace
 
 import pytest
@@ -208,3 +209,13 @@ async def test_a_flight_that_is_brought_is_listed(tmp_path):
         (flight,) = (await one.get("/flights")).told["flights"]
         assert (flight["name"], flight["sound"]) == ("one.tlog", [])
         assert (await one.get("/flights/one.tlog/sound/mixture")).refused(404, "not-found")
+
+
+async def test_flights_whose_names_are_no_utf_8_are_listed_and_found_by_what_is_listed(tmp_path):
+    (tmp_path / os.fsdecode(b"good \xff.tlog")).write_bytes(log_of(frames()))
+    (tmp_path / os.fsdecode(b"bad \xff.tlog")).write_bytes(b"no frames")
+    flights = FlightLibrary(tmp_path)
+    async with page(mission(), flights) as served, program(served) as one:
+        told = (await one.get("/flights")).told["flights"]
+        assert {each["name"] for each in told} == {"good \\udcff.tlog", "bad \\udcff.tlog"}
+        assert all(flights.path(each["name"]).is_file() for each in told)
