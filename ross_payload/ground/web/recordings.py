@@ -38,15 +38,26 @@ async def one_file(store: RecordingStore | None, request: web.Request) -> web.St
 
 
 async def archive(store: RecordingStore | None, request: web.Request, kind: str = ZIP) -> web.StreamResponse:
-    """Answer with a whole recording as a ZIP archive, made while it is sent."""
+    """Answer with a whole recording as a ZIP archive, made while it is sent.
+
+    Where it cannot be read to its end, as when it is deleted meanwhile, the connection is cut: nobody is to take what
+    has come for the whole.
+    """
     name = request.match_info["name"]
     files = await files_of(store, name)
     headers = {**PRIVATE, **_attached(f"{name}.zip"), "Content-Type": kind}
     response = web.StreamResponse(headers=headers)
     await response.prepare(request)
     if request.method != "HEAD":
-        async for chunk in zipped(name, files):
-            await response.write(chunk)
+        try:
+            async for chunk in zipped(name, files):
+                await response.write(chunk)
+        except ConnectionError:
+            raise
+        except OSError:
+            if request.transport is not None:
+                request.transport.abort()
+            return response
     await response.write_eof()
     return response
 

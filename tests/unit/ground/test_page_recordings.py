@@ -1,5 +1,6 @@
 """Recorded sessions over the page: listed, downloaded and deleted by whoever may open it, and by nobody else."""
 
+import asyncio
 import io
 import stat
 import zipfile
@@ -110,6 +111,22 @@ async def test_a_recording_that_goes_on_is_downloaded_as_far_as_it_has_come_and_
         assert archive.testzip() is None
         assert archive.read("0003/inputs.jsonl") == written
     assert written.count(b"\n") >= 100
+
+
+async def test_a_download_of_a_recording_that_is_deleted_meanwhile_breaks_off(catalog, capsys):
+    with catalog.files("0001")["audio.wav"].open("ab") as file:
+        file.truncate(16 << 20)  # more than fits on the way to the browser
+
+    async def visit(client, url):
+        async with client.get(f"{url}recordings/0001.zip") as answer:
+            await answer.content.readexactly(1000)
+            assert (await fetched(client, f"{url}recordings/0001", "DELETE"))[0] == 200
+            async with asyncio.timeout(10):
+                with pytest.raises(aiohttp.ClientPayloadError):
+                    await answer.read()
+
+    await visited(catalog, visit)
+    assert not capsys.readouterr().err
 
 
 async def test_without_the_token_or_from_another_site_nothing_is_listed_given_or_deleted(catalog):
