@@ -150,6 +150,20 @@ def test_nobody_heard_says_what_to_look_at(alone, open_page):
     expect(page.get_by_role("button", name="Stop", exact=True)).to_be_enabled()
 
 
+def test_events_of_long_ago_are_told_by_their_age(alone, open_page):
+    """The clock of the ground process counts from no moment that anybody knows."""
+    page = open_page(alone.url)
+    when = page.evaluate("""async () => {
+      const { events } = await import("/assets/parts/events.js");
+      const { render } = await import("/assets/templates.js");
+      const box = document.createElement("div");
+      const said = [7000, 67_000, 71_000].map((at) => ({ at, severity: 6, text: "hello" }));
+      render(events({ events: said }, 93_400), box);
+      return [...box.querySelectorAll(".when")].map((each) => each.textContent);
+    }""")
+    assert when == ["6 h ago", "7 h ago", "24 h ago"]
+
+
 def test_a_dropped_log_is_played_and_compared(alone, open_page, tmp_path):
     log = tmp_path / "walk.tlog"
     write_hour(log, seconds=30, payloads=1)

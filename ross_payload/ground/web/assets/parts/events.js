@@ -1,7 +1,7 @@
 /** What the payload said, newest first. */
 
 import { html, repeat } from "../templates.js";
-import { ago, clock, isTrouble, severity } from "../formatting.js";
+import { ago, isTrouble, severity } from "../formatting.js";
 
 const PREFIX = /^RoSS: /;
 
@@ -26,7 +26,7 @@ export function events(sections, now) {
 
 function line({ at, severity: code, text }, now) {
   return html`<li class=${isTrouble(code) ? "trouble" : ""}>
-    <span class="when" aria-hidden="true">${now - at < 3600 ? ago(now - at) : clock(at)}</span>
+    <span class="when" aria-hidden="true">${ago(now - at)}</span>
     <span>${isTrouble(code) ? html`<strong>${severity(code)}: </strong>` : ""}${text.replace(PREFIX, "")}</span>
   </li>`;
 }
