@@ -150,6 +150,17 @@ def test_nobody_heard_says_what_to_look_at(alone, open_page):
     expect(page.get_by_role("button", name="Stop", exact=True)).to_be_enabled()
 
 
+def test_a_browser_that_keeps_nothing_shows_the_page_all_the_same(alone, open_page, window):
+    """As where all cookies are blocked: an access to the storage is refused."""
+    page = window.new_page()
+    page.add_init_script("""for (const name of ["localStorage", "sessionStorage"])
+      Object.defineProperty(globalThis, name, { get() { throw new DOMException("denied", "SecurityError"); } });""")
+    window.open(page, alone.url)
+    page.get_by_text("No payload found.").wait_for()
+    page.get_by_label("Theme").select_option("dark")
+    expect(page.locator("html[data-theme=dark]")).to_have_count(1)
+
+
 def test_events_of_long_ago_are_told_by_their_age(alone, open_page):
     """The clock of the ground process counts from no moment that anybody knows."""
     page = open_page(alone.url)

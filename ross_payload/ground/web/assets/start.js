@@ -5,13 +5,12 @@
 
 const MOST = 5; // tries
 const WAIT = 700; // [ms]
-const TRIES = "ross-tries";
 
 const whole = () => [...document.querySelectorAll("link[rel=stylesheet]")].every((link) => link.sheet);
 
 function again() {
-  const tries = Number(sessionStorage.getItem(TRIES) ?? 0) + 1;
-  sessionStorage.setItem(TRIES, String(tries));
+  const tries = (history.state?.tries ?? 0) + 1; // it outlives a reload, and needs no storage, which may be forbidden
+  history.replaceState({ tries }, "");
   if (tries <= MOST) setTimeout(() => location.reload(), WAIT);
 }
 
@@ -20,7 +19,7 @@ async function start() {
   if (!whole()) return again();
   try {
     await import("./app.js");
-    sessionStorage.removeItem(TRIES);
+    history.replaceState(null, "");
   } catch (error) {
     console.error(error);
     again();

@@ -3,8 +3,17 @@
 export const THEMES = ["auto", "dark", "light", "sunlight"];
 const KEPT = "ross-theme";
 
+/** What an access to the browser's storage gives; null where it is forbidden, as by who blocks all cookies. */
+function stored(access) {
+  try {
+    return access();
+  } catch {
+    return null;
+  }
+}
+
 export function readTheme() {
-  const kept = localStorage.getItem(KEPT);
+  const kept = stored(() => localStorage.getItem(KEPT));
   return THEMES.includes(kept) ? kept : "auto";
 }
 
@@ -13,6 +22,6 @@ export function applyTheme(theme) {
 }
 
 export function keepTheme(theme) {
-  localStorage.setItem(KEPT, theme);
+  stored(() => localStorage.setItem(KEPT, theme));
   applyTheme(theme);
 }
