@@ -1,5 +1,6 @@
 """Two flights beside each other: moved together, and how they differ."""
 
+import json
 import re
 
 import pytest
@@ -105,3 +106,36 @@ def test_a_simulated_flight_has_no_date(ground, open_page):
     page.locator(".playback").wait_for()
     assert "Simulated" in page.locator(".playback").inner_text()
     assert "0:00 of 0:19" in page.locator(".playback").inner_text()
+
+
+def test_a_flight_goes_on_as_it_was_played_when_the_ground_process_comes_back(browser, tmp_path, open_page, window):
+    window.expected.append("/live")
+    log(tmp_path / "one.tlog", seconds=60)
+    with served("--flights", tmp_path) as own:
+        page = open_page(f"{own.url}#/flights")
+        page.get_by_role("button", name="Open one.tlog").click()
+        page.get_by_label("Speed").select_option("2")
+        page.get_by_role("button", name="Play", exact=True).click()
+        page.get_by_role("button", name="Pause").wait_for()
+        told = []
+        page.on("websocket", lambda live: live.on("framereceived", lambda text: told.append(json.loads(text))))
+        own.end()
+        own.start()
+        flights = lambda: [(each["speed"], each["playing"]) for each in told if each["type"] == "flight"]  # noqa: E731
+        eventually(page, lambda: (2, True) in flights(), what=flights)
+
+
+def test_the_speed_is_shown_that_is_told_whatever_was_chosen(ground, open_page):
+    page = open_page(ground.url)
+    shown = page.evaluate("""async () => {
+      const { speedSwitch } = await import("/assets/parts/playback.js");
+      const { render } = await import("/assets/templates.js");
+      const box = document.createElement("div");
+      const draw = (speed) => render(speedSwitch(speed, () => {}), box);
+      draw(1);
+      const select = box.querySelector("select");
+      for (const index of [2, 0, 1]) select.selectedIndex = index; // as a hand does
+      draw(1);
+      return select.value;
+    }""")
+    assert shown == "1"

@@ -94,6 +94,8 @@ class Page {
       if (!each?.flight) continue;
       this.send({ type: "flight", slot, open: each.flight.name });
       this.send({ type: "flight", slot, seek: each.flight.at });
+      this.send({ type: "flight", slot, speed: each.flight.speed });
+      if (each.flight.playing) this.send({ type: "flight", slot, play: true });
       if (each.payload) this.send({ type: "flight", slot, watch: each.payload.id });
     }
     this.stopAgain();

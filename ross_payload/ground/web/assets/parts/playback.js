@@ -48,7 +48,7 @@ export function speedSwitch(speed, choose) {
   return html`<label
     >Speed
     <select aria-label="Speed" @change=${(event) => choose(Number(event.target.value))}>
-      ${SPEEDS.map((each) => html`<option value=${each} ?selected=${each === speed}>${each} ×</option>`)}
+      ${SPEEDS.map((each) => html`<option value=${each} .selected=${each === speed}>${each} ×</option>`)}
     </select></label
   >`;
 }
@@ -70,7 +70,7 @@ function who(page, slot) {
   return html`<label class="who"
     >Payload
     <select aria-label="Payload" @change=${watch}>
-      ${flight.payloads.map((each) => html`<option value=${each} ?selected=${each === watched}>${each}</option>`)}
+      ${flight.payloads.map((each) => html`<option value=${each} .selected=${each === watched}>${each}</option>`)}
     </select></label
   >`;
 }
