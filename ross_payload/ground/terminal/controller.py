@@ -16,6 +16,7 @@ from ross_protocols.mavlink.component_id import ComponentId
 
 NOTE_S = 3.0  # for which a note stands
 STOPS = ("s", "S", "\x13")  # Shift, caps lock and Ctrl take nothing from a stop
+PLACES = tuple("123456789")  # of payloads; a byte of another script's letter may be a digit, too, as chr(0xB2)
 HEARING = ("h", "m")  # start live listening, or change what is heard
 PLAIN: dict[str, Callable[[], Order]] = {"e": Explore, "v": Listen, "c": Cancel, "r": Rearm, "x": StopStream}
 PLAIN |= dict.fromkeys(STOPS, Stop)
@@ -92,7 +93,7 @@ class Controller(Selection):
             self.going = False
         elif key in ("left", "right", "up", "down"):
             self._next(-1 if key in ("left", "up") else 1)
-        elif key.isdigit() and key != "0":
+        elif key in PLACES:
             self._choose(int(key))
         elif key in PLAIN or key in HEARING or key == "l":
             self._order(key)

@@ -142,3 +142,9 @@ def test_other_keys_do_nothing(key):
 )
 def test_what_a_terminal_sends_is_read(data, pressed):
     assert list(keys(data)) == pressed
+
+
+def test_letters_of_every_script_are_no_keys_and_take_none_away():
+    letters = "".join(map(chr, range(0xA0, 0x800)))
+    bench = Bench(1).press(*keys(f"{letters}s".encode()))
+    assert bench.orders == [(1, STOP)]
