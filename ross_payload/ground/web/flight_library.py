@@ -179,7 +179,7 @@ class FlightLibrary(AbstractContextManager["FlightLibrary"]):
         """Yield every flight's name, as UTF-8 can hold it, and path; a session goes by the name of its folder."""
         if self._folder is not None and self._folder.is_dir():
             for path in sorted(self._folder.iterdir()):
-                if path.suffix in (TLOG, MCAP) or _in_folder(path):
+                if _has_flight(path):
                     yield encodable(path.name), path
         if self._uploaded is not None:
             brought = sorted(Path(self._uploaded.name).iterdir())
@@ -260,9 +260,9 @@ async def _write(path: Path, chunks: AsyncIterator[bytes]) -> None:
         raise UploadRefused(507, f"it cannot be kept: {error.strerror}") from error
 
 
-def _in_folder(path: Path) -> bool:
-    """Whether it is a folder with a flight, as far as we may look into it."""
+def _has_flight(path: Path) -> bool:
+    """Whether it is a file or a folder with a flight, as far as we may look at it; a pipe would hold us up."""
     try:
-        return any((path / log).is_file() for log in LOGS)
+        return any((path / log).is_file() for log in LOGS) or (path.suffix in (TLOG, MCAP) and path.is_file())
     except OSError:
         return False

@@ -260,6 +260,15 @@ async def test_no_more_flights_are_brought_than_there_is_room_for(folder, monkey
         )  # fmt: skip
 
 
+async def test_a_pipe_among_the_flights_holds_nobody_up(tmp_path):
+    log(tmp_path / "one.tlog", seconds=1)
+    os.mkfifo(tmp_path / "pipe.tlog")
+    writer = os.open(tmp_path / "pipe.tlog", os.O_RDWR)
+    os.write(writer, bytes(1000))  # whoever reads it all the same comes to an end
+    assert [each["name"] for each in FlightLibrary(tmp_path).known()] == ["one.tlog"]
+    os.close(writer)
+
+
 async def test_a_browser_that_goes_while_it_brings_a_flight_leaves_nothing():
     def parts():
         return list(Path(tempfile.gettempdir()).glob(f"ross-flights-*/gone-{os.getpid()}*.part"))
