@@ -161,6 +161,19 @@ def test_a_browser_that_keeps_nothing_shows_the_page_all_the_same(alone, open_pa
     expect(page.locator("html[data-theme=dark]")).to_have_count(1)
 
 
+def test_a_heading_a_little_west_of_north_is_never_360_degrees(alone, open_page):
+    page = open_page(alone.url)
+    words = page.evaluate("""async () => {
+      const { missionFacts } = await import("/assets/parts/mission.js");
+      const { render } = await import("/assets/templates.js");
+      const box = document.createElement("div");
+      render(missionFacts({ pointing: { heading: 359.7, goal: 359.6, settled: false } }), box);
+      return box.textContent;
+    }""")
+    assert "360" not in words
+    assert "turning to 0°" in words
+
+
 def test_events_of_long_ago_are_told_by_their_age(alone, open_page):
     """The clock of the ground process counts from no moment that anybody knows."""
     page = open_page(alone.url)

@@ -1,7 +1,7 @@
 /** The mission strip: what the mission does and has reached, in numbers that a glance takes in. */
 
 import { html } from "../templates.js";
-import { DASH, decibels, duration, known, number } from "../formatting.js";
+import { DASH, decibels, degrees, duration, known, number } from "../formatting.js";
 import { fact } from "./tables.js";
 
 export function missionFacts({ mission = {}, standing = {}, pointing = {} }) {
@@ -16,7 +16,7 @@ export function missionFacts({ mission = {}, standing = {}, pointing = {} }) {
     ],
     ["SI-SDR, estimated", decibels(mission.si_sdr), known(mission.si_sdr) ? improvement(mission) : "no separation yet"],
     ["Predicted gain", decibels(mission.gain), known(mission.gain) ? "at the chosen heading" : "no heading chosen yet"],
-    ["Heading", number(pointing.heading, 0, "°"), goal(pointing)],
+    ["Heading", degrees(pointing.heading), goal(pointing)],
     ["Target", target(mission), targetRemark(mission)],
   ];
   return html`<section class="card mission" aria-label="Mission">
@@ -39,7 +39,7 @@ function elapsed({ elapsed: time, expected }, { state }) {
 const improvement = (mission) =>
   known(mission.si_sdri) ? `${number(mission.si_sdri, 1, " dB")} better than the mixture` : "";
 const goal = ({ goal: to, settled }) =>
-  known(to) && !settled ? `turning to ${number(to, 0, "°")}` : settled ? "settled" : "";
+  known(to) && !settled ? `turning to ${degrees(to)}` : settled ? "settled" : "";
 const target = ({ target: source }) => (known(source) ? `Source ${source}` : DASH);
 
 /** Whether the target is the enrolled voice: one can be chosen before it is recognised, and voices may be unlike. */
