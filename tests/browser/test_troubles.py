@@ -208,6 +208,22 @@ def test_a_dropped_log_is_played_and_compared(alone, open_page, tmp_path):
     assert page.evaluate("document.documentElement.scrollWidth") <= 1280
 
 
+def test_a_log_that_is_dropped_anywhere_is_played_and_the_page_stays(alone, open_page, tmp_path):
+    write_hour(tmp_path / "walk.tlog", seconds=2, payloads=1)
+    page = open_page(alone.url)
+    kept = page.evaluate(
+        """(bytes) => {
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File([new Uint8Array(bytes)], "walk.tlog"));
+      const told = (kind) => new DragEvent(kind, { dataTransfer, bubbles: true, cancelable: true });
+      return ["dragover", "drop"].map((kind) => !document.querySelector("h1").dispatchEvent(told(kind)));
+    }""",
+        list((tmp_path / "walk.tlog").read_bytes()),
+    )
+    assert kept == [True, True]
+    page.get_by_role("slider", name="Time of walk.tlog").wait_for()
+
+
 def test_what_is_no_log_is_refused_in_one_line(alone, open_page, window, tmp_path):
     window.expected.append("/flights")
     (tmp_path / "song.tlog").write_bytes(b"la" * 4000)

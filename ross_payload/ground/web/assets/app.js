@@ -15,7 +15,7 @@ import { routeOf, titleOf } from "./route.js";
 import { followed, noted, withStopped } from "./stop.js";
 import { applyTheme, readTheme } from "./theme.js";
 import { fleetView } from "./views/fleet.js";
-import { flightsView } from "./views/flights.js";
+import { dropped, flightsView, isOfFiles } from "./views/flights.js";
 import { helpPanel } from "./views/help.js";
 import { mapView } from "./views/map.js";
 import { payloadView } from "./views/payload.js";
@@ -74,6 +74,8 @@ class Page {
     });
     addEventListener("hashchange", () => this.go(routeOf(location.hash)));
     addEventListener("keydown", (event) => pressed(this, event));
+    addEventListener("dragover", (event) => isOfFiles(event) && event.preventDefault());
+    addEventListener("drop", (event) => isOfFiles(event) && dropped(this, event));
     setInterval(() => this.draw(), LOOK);
     this.draw();
   }

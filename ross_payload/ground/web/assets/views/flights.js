@@ -37,7 +37,7 @@ const nothingIn = ({ payloads }) =>
 function picker(page, open) {
   const known = page.store.flights;
   return html`<section class="card picker" aria-label="Open a flight">
-    <div class="drop" @dragover=${(event) => event.preventDefault()} @drop=${(event) => dropped(page, event)}>
+    <div class="drop">
       <label for="file">Drop a telemetry log (<code>.tlog</code>), an MCAP file with sound or a session folder here, or choose a
         file</label
       >
@@ -97,8 +97,13 @@ function chosen(page, input) {
   input.value = "";
 }
 
-async function dropped(page, event) {
+/** Whether files are dragged; text may be dropped into fields. */
+export const isOfFiles = ({ dataTransfer }) => dataTransfer?.types.includes("Files") ?? false;
+
+/** Take a log that is dropped anywhere: beside our own place the browser would leave the page, and its stop, for the file. */
+export async function dropped(page, event) {
   event.preventDefault();
+  location.hash = "#/flights";
   const [item] = event.dataTransfer.items;
   const entry = item?.webkitGetAsEntry?.();
   if (entry?.isDirectory) {
