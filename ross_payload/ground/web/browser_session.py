@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import deque
+from collections.abc import Callable
 from typing import Any
 
 from ross_payload import __version__
@@ -19,10 +20,14 @@ MAX_WAITING = 64  # answers that wait for a browser; older ones are dropped
 
 
 class BrowserSession:
-    """One socket of a browser, from its first message to its last; the id stays when the browser comes again."""
+    """One socket of a browser, from its first message to its last; the id stays when the browser comes again.
 
-    def __init__(self, state: PageState, browser: str, name: str) -> None:
+    ``proof`` is known to this browser alone; ``cut`` ends the socket without a word.
+    """
+
+    def __init__(self, state: PageState, browser: str, name: str, proof: str, cut: Callable[[], None]) -> None:
         self.state, self.id, self.operator = state, browser, Operator(state, browser, name)
+        self.cut = cut
         self.wake = asyncio.Event()
         self.watched: ComponentId | None = None
         self._seen = 0  # number of the view that was sent
@@ -33,7 +38,14 @@ class BrowserSession:
         self._closing: set[asyncio.Task[None]] = set()
         mode = "live" if state.live else "flight"
         tiles = None if state.tiles is None else state.tiles.about
-        hello = {"you": browser, "version": __version__, "mode": mode, "may_order": state.live, "map": tiles}
+        hello = {
+            "you": browser,
+            "proof": proof,
+            "version": __version__,
+            "mode": mode,
+            "may_order": state.live,
+            "map": tiles,
+        }
         self.send({"type": "hello", **hello})
 
     def watch(self, who: ComponentId | None) -> None:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
+import hmac
 import re
 import secrets
 from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
@@ -38,6 +41,7 @@ class WebSocketSessions:
         self._flights: list[dict[str, Any]] = []
         self._recordings: dict[str, Any] | None = None  # None: nobody offers any
         self._sockets: set[web.WebSocketResponse] = set()
+        self._secret = secrets.token_bytes(32)
 
     def wake(self, who: ComponentId | None) -> None:
         """Wake the browsers that watch a payload, or all."""
@@ -51,7 +55,7 @@ class WebSocketSessions:
 
     async def serve(self, request: web.Request) -> web.StreamResponse:
         """Talk with one browser until it goes."""
-        if len(self.sessions) >= MAX_SESSIONS:
+        if len(self.sessions) >= MAX_SESSIONS and self._left(request) is None:
             raise web.HTTPServiceUnavailable(text=f"{MAX_SESSIONS} browsers are connected, no more are served\n")
         socket = await opened(request, MAX_MESSAGE_BYTES, WRITE_BUFFER_BYTES)
         session = self._session(request)
@@ -90,22 +94,39 @@ class WebSocketSessions:
 
     def _session(self, request: web.Request) -> BrowserSession:
         """Begin a session, with the id that a browser says it had, unless another one has it."""
+        left = self._left(request)
+        if left is not None:
+            del self.sessions[left.id]
+            left.cut()
         wanted = request.query.get("you", "")
         browser = wanted if _ID.fullmatch(wanted) and wanted not in self.sessions else self._new_id()
         self.state.control.on_connect(browser)
-        session = self.sessions[browser] = BrowserSession(self.state, browser, browser_name(request))
+        name, proof, cut = browser_name(request), self._proof(browser), partial(_cut, request)
+        session = self.sessions[browser] = BrowserSession(self.state, browser, name, proof, cut)
         session.send({"type": "flights", "known": self._flights})
         if self._recordings is not None:
             session.send({"type": "recordings", **self._recordings})
         return session
+
+    def _left(self, request: web.Request) -> BrowserSession | None:
+        """Return the session that a browser has left though its socket is not known to be dead: its network changed."""
+        session = self.sessions.get(request.query.get("you", ""))
+        shown = request.query.get("proof", "").encode("utf-8", "replace")
+        known = session is not None and hmac.compare_digest(self._proof(session.id).encode(), shown)
+        return session if known else None
+
+    def _proof(self, browser: str) -> str:
+        """Return what a browser shows to have its id again; another process gives it another one."""
+        return hmac.new(self._secret, browser.encode(), hashlib.sha256).hexdigest()[:32]
 
     def _new_id(self) -> str:
         taken = {*self.sessions, self.state.control.holder}
         return next(each for _ in range(1000) if (each := secrets.token_hex(2)) not in taken)
 
     async def _end(self, session: BrowserSession, writer: asyncio.Task[None]) -> None:
-        del self.sessions[session.id]
-        self.state.control.on_disconnect(session.id, self.state.station.now())
+        if self.sessions.get(session.id) is session:
+            del self.sessions[session.id]
+            self.state.control.on_disconnect(session.id, self.state.station.now())
         writer.cancel()
         await asyncio.gather(writer, session.close(), return_exceptions=True)
 
@@ -143,6 +164,11 @@ async def _write(session: BrowserSession, socket: web.WebSocketResponse, request
         pass
     except Exception as error:
         report(error)
+    _cut(request)
+
+
+def _cut(request: web.Request) -> None:
+    """End the connection of a request without a word."""
     if request.transport is not None:
         request.transport.abort()
 

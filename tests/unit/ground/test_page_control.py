@@ -139,6 +139,23 @@ async def test_nobody_takes_the_id_of_a_browser_that_is_there():
             assert not (await other.next("control", lambda message: message["holder"]))["yours"]
 
 
+async def test_a_browser_whose_network_changed_takes_the_place_of_its_dead_socket():
+    """Its old way is silent, and has not been missed yet."""
+    async with page(there()) as served, browser(served.url) as one, browser(served.url) as other:
+        hello = await one.next("hello")
+        await one.say(type="control", take=True)
+        await one.next("control", lambda message: message["yours"])
+        async with browser(served.url, you=f"{hello['you']}&proof={hello['proof']}") as again:
+            assert await again.next("hello") == hello
+            assert (await again.next("control"))["yours"]
+            with pytest.raises(TypeError):  # the socket is closed
+                await one.next("nothing")
+            await again.say(type="order", id="1-191", order=TURN)
+            await again.say(type="control", take=False)
+            await other.next("control", lambda message: message["holder"] is None)
+            assert not any(each["type"] == "refused" for each in again.got)
+
+
 @pytest.mark.parametrize(
     ("message", "reason"),
     [

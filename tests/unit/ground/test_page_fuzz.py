@@ -186,7 +186,7 @@ def test_no_message_is_a_fault_of_the_page(kind, fields, known):
     station = HandStation()
     station.say(audio())
     with FlightLibrary(None) as flights:
-        session = BrowserSession(PageState(station, flights), "0001", "test")
+        session = BrowserSession(PageState(station, flights), "0001", "test", "", lambda: None)
         on_message(session, json.dumps({**fields, **({"id": "1-191"} if known else {}), "type": kind}))
         session.due()
 
@@ -195,6 +195,6 @@ def test_no_message_is_a_fault_of_the_page(kind, fields, known):
 @given(text=st.text(max_size=100))
 def test_a_text_that_is_no_message_is_refused(text):
     with FlightLibrary(None) as flights:
-        session = BrowserSession(PageState(HandStation(), flights), "0001", "test")
+        session = BrowserSession(PageState(HandStation(), flights), "0001", "test", "", lambda: None)
         on_message(session, text)
         assert any('"refused"' in told for told in session.due())

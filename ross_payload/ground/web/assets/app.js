@@ -60,7 +60,7 @@ class Page {
   start() {
     globalThis.rossSound = { live: this.listening, recorded: this.flightSound }; // tests hear what is played
     applyTheme(this.ui.theme);
-    this.live = connect(() => liveAddress(location, this.store.you), {
+    this.live = connect(() => liveAddress(location, this.store.you, this.store.proof), {
       message: (message) => {
         if (this.shut.has(message.slot)) return; // it was on its way when the slot was closed
         const before = this.store;

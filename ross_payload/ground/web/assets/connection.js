@@ -25,6 +25,7 @@ export function blank(watched = null) {
   return {
     watched,
     you: null,
+    proof: null, // that this browser is who it says it was
     version: "",
     mode: "live",
     mayOrder: false,
@@ -47,9 +48,10 @@ export function take(store, message, got) {
 }
 
 const TAKERS = {
-  hello: (store, { you, version, mode, may_order: mayOrder, map }) => ({
+  hello: (store, { you, proof, version, mode, may_order: mayOrder, map }) => ({
     ...store,
     you,
+    proof,
     version,
     mode: mode ?? "live",
     mayOrder: mayOrder ?? true,
@@ -166,6 +168,6 @@ function receive(data, call) {
 }
 
 /** Return the address of the socket beside this page; `you` is who this browser was, to go on as the same one. */
-export function liveAddress({ protocol, host }, you) {
-  return `${protocol === "https:" ? "wss" : "ws"}://${host}/live${you ? `?you=${you}` : ""}`;
+export function liveAddress({ protocol, host }, you, proof) {
+  return `${protocol === "https:" ? "wss" : "ws"}://${host}/live${you ? `?${new URLSearchParams({ you, proof })}` : ""}`;
 }
