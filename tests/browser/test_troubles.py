@@ -150,6 +150,24 @@ def test_nobody_heard_says_what_to_look_at(alone, open_page):
     expect(page.get_by_role("button", name="Stop", exact=True)).to_be_enabled()
 
 
+def test_what_is_typed_outlives_a_lost_connection(lone, window):
+    ground, _ = lone
+    page = window.new_page()
+    page.add_init_script("""globalThis.opened = [];
+      globalThis.WebSocket = class extends WebSocket {
+        constructor(...how) { super(...how); opened.push(this); }
+      };""")
+    window.open(page, f"{ground.url}#/payload/1-191")
+    field = page.get_by_label("Axis heading")
+    field.fill("12.5")
+    page.evaluate("opened[0].close()")
+    eventually(page, lambda: page.evaluate("opened[1]?.readyState") == 1)
+    follow(page, ".payload-title .soft")
+    eventually(page, lambda: len(seen(page)) > 1)
+    expect(field).to_have_value("12.5")
+    expect(field).to_be_focused()
+
+
 def test_a_browser_that_keeps_nothing_shows_the_page_all_the_same(alone, open_page, window):
     """As where all cookies are blocked: an access to the storage is refused."""
     page = window.new_page()

@@ -56,7 +56,7 @@ const TAKERS = {
     mode: mode ?? "live",
     mayOrder: mayOrder ?? true,
     tiles: map ?? null,
-    payload: null,
+    payload: proof && proof === store.proof ? store.payload : null, // of another process: another clock
   }),
   fleet: (store, message, got) => ({ ...store, fleet: message, fleetGot: got }),
   control: (store, { holder, name, yours }) => ({ ...store, control: { holder, name, yours } }),
