@@ -193,6 +193,23 @@ def test_a_mission_that_is_over_is_heard_before_and_after_with_one_click(tmp_pat
         page.close()
 
 
+def test_a_flight_is_heard_while_another_tab_is_seen(tmp_path, window, open_page):
+    with in_background([f"udpin:127.0.0.1:{free_port()}"], flights=simulated(tmp_path)) as served:
+        page = open_page(f"{served.url}#/flights")
+        page.get_by_role("button", name="Open mission.tlog").click()
+        page.get_by_role("button", name="Mixture").click()
+        page.locator("button.play").wait_for()
+        page.evaluate(
+            """() => {
+          Object.defineProperty(document, "hidden", { value: true });
+          globalThis.requestAnimationFrame = () => 0;
+          document.querySelector("button.play").click();
+        }"""
+        )
+        eventually(page, lambda: not page.evaluate(RECORDED)["paused"])
+        page.close()
+
+
 @pytest.mark.soak
 def test_an_mcap_file_that_is_uploaded_is_heard_beside_its_telemetry(tmp_path, window, open_page):
     pytest.importorskip("foxglove", reason="needs the extra 'mcap'")

@@ -76,7 +76,7 @@ class Page {
     addEventListener("keydown", (event) => pressed(this, event));
     addEventListener("dragover", (event) => isOfFiles(event) && event.preventDefault());
     addEventListener("drop", (event) => isOfFiles(event) && dropped(this, event));
-    setInterval(() => this.draw(), LOOK);
+    setInterval(() => this.look(), LOOK);
     this.draw();
   }
 
@@ -193,6 +193,12 @@ class Page {
   silence() {
     const got = Math.max(this.store.fleetGot, this.store.payload?.got ?? 0);
     return got ? (performance.now() - got) / 1000 : null;
+  }
+
+  /** A browser draws nothing in a tab that is not seen; it is heard all the same. */
+  look() {
+    if (document.hidden) this.flightSound.follow(this);
+    this.draw();
   }
 
   draw() {
