@@ -153,6 +153,21 @@ async def test_a_program_that_asks_for_nothing_any_more_loses_control_after_the_
 # ------------------------------------------------------------------------------------------------ stop
 
 
+async def test_a_program_that_dies_while_it_waits_for_an_order_loses_control_after_the_grace_too():
+    station = Scripted(Result.IN_PROGRESS)
+    async with page(station) as served, program(served, "other") as other:
+        async with program(served, "tracker") as one:
+            waiting = asyncio.create_task(one.order(wait=60, kind="explore"))
+            async with asyncio.timeout(10):
+                while not (await other.get("/control")).told["holder"]:
+                    await asyncio.sleep(0.01)
+            waiting.cancel()
+        for _ in range(19):  # nearly twice the grace, in which the order does not end by itself
+            station.later += 0.1 * CONTROL_GRACE_S
+            await asyncio.sleep(0.05)
+        assert (await other.get("/control")).told["holder"] is None
+
+
 async def test_a_stop_needs_no_control_no_body_and_no_payload_that_was_received():
     station = HandStation()
     async with page(station) as served, browser(served.url) as other, program(served) as one:

@@ -47,6 +47,11 @@ class Call:
     browsers: WebSocketSessions
     programs: Programs
 
+    @property
+    def abandoned(self) -> bool:
+        """Whether the program has gone that asks: nobody waits for the answer."""
+        return self.request.transport is None
+
 
 @dataclass(frozen=True, slots=True)
 class Operation:

@@ -111,9 +111,9 @@ async def _waited(call: Call, status: CommandStatus, wait: float) -> page_answer
 
 
 def _latest(call: Call, who: ComponentId, number: int, what: str) -> CommandStatus | None:
-    """Return an order's status as soon as it is so; of one that is not kept any longer it is over."""
+    """Return an order's status as soon as it is so, or nobody waits for it; of one that is not kept it is over."""
     status = call.operator.status(who, number)
-    return status if getattr(status, what) else None
+    return status if getattr(status, what) or call.abandoned else None
 
 
 def told_of(status: CommandStatus) -> page_answers.OrderStatus:
