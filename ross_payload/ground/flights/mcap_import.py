@@ -102,7 +102,9 @@ def _take(record: Any, folder: Path, found: _Found, tracks: dict[str, AudioAssem
                 notes[""] = f"more than {MOST_TRACKS} topics with sound: the others are not played"
                 return
             tracks[name] = AudioAssembly(folder / f"{name}.raw", part.rate, part.samples.shape[1])
-        if not tracks[name].add(part.time if near else message.log_time, part.rate, part.samples):
+        if not tracks[name].has_room(part.samples):
+            notes.setdefault(topic, f"{topic[:40]}: only the first {MOST_BYTES >> 30} GB are played")
+        elif not tracks[name].add(part.time if near else message.log_time, part.rate, part.samples):
             notes.setdefault(topic, f"{topic[:40]}: parts of another rate are left out")
     elif found.log is None:
         found.log = record.data
@@ -187,6 +189,10 @@ class AudioAssembly:
         self._file = path.open("xb")
         self._parts: list[tuple[int, int, int]] = []  # time [ns], first frame in the file, frames
         self._kept = 0  # frames
+
+    def has_room(self, samples: NDArray[np.int16]) -> bool:
+        """Whether frames (n, n_channels) can be kept, too: compressed, a small file may hold more than a disk does."""
+        return 2 * self._channels * self._kept + samples.nbytes <= MOST_BYTES
 
     def add(self, time: int, rate: int, samples: NDArray[np.int16]) -> bool:
         """Keep frames (n, n_channels) whose first was heard at ``time`` [ns]; False: they are of another kind."""

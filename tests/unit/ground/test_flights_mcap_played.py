@@ -252,6 +252,22 @@ def test_a_file_that_is_cut_off_is_played_as_far_as_it_goes(tmp_path):
     assert flight.notes[0].startswith("the file is damaged")
 
 
+def test_of_sound_without_end_only_as_much_is_kept_as_a_recording_may_have(tmp_path, monkeypatch):
+    """Compressed, the same second a million times is a small file."""
+    path = foreign(tmp_path / "robot.mcap", [(0.0, np.zeros(RATE))] * 50)
+    most = 4 * RATE
+    monkeypatch.setattr("ross_payload.ground.flights.mcap_import.MOST_BYTES", most)
+    kept = []
+    write = AudioAssembly.write
+    monkeypatch.setattr(
+        AudioAssembly, "write", lambda self, to: kept.append(to.with_suffix(".raw").stat().st_size) or write(self, to)
+    )
+    (tmp_path / "out").mkdir()
+    flight = open_flight(unpacked(path, tmp_path / "out"))
+    assert max(kept) <= most
+    assert any("only the first" in note for note in flight.notes)
+
+
 def test_a_chunk_that_grows_beyond_what_it_says_is_not_inflated(tmp_path, monkeypatch):
     path = foreign(tmp_path / "robot.mcap", parts_of(mixture()))
     monkeypatch.setattr("ross_payload.ground.flights.mcap_import.LARGEST_RECORD", 15_000)
