@@ -179,6 +179,20 @@ def test_a_browser_that_keeps_nothing_shows_the_page_all_the_same(alone, open_pa
     expect(page.locator("html[data-theme=dark]")).to_have_count(1)
 
 
+def test_an_id_that_no_payload_can_have_is_neither_stopped_nor_watched(alone, open_page):
+    page = open_page(alone.url)
+    field = page.get_by_label("Payload by id")
+    for wrong in ("0-1", "256-1", "1-256", "001-191"):
+        field.fill(wrong)
+        page.get_by_role("button", name="Stop this id").click()
+        assert not page.locator(".stop-fate").count()
+        page.evaluate("id => location.hash = `#/payload/${id}`", wrong)
+        expect(page.get_by_role("heading", name="Payloads")).to_be_visible()
+    field.fill("255-25")
+    page.get_by_role("button", name="Stop this id").click()
+    expect(page.locator(".stop-fate")).to_have_text("Stop sent")
+
+
 def test_a_heading_a_little_west_of_north_is_never_360_degrees(alone, open_page):
     page = open_page(alone.url)
     words = page.evaluate("""async () => {

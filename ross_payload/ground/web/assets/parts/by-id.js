@@ -1,10 +1,8 @@
 /** Payloads that have no place on the page: how many they are, and a way to watch or stop one by its id. */
 
 import { html, nothing } from "../templates.js";
-import { payloadAddress } from "../route.js";
+import { ID, payloadAddress } from "../route.js";
 import { plural } from "../formatting.js";
-
-const ID = "[0-9]{1,3}-[0-9]{1,3}";
 
 export function byId(page) {
   const { fleet, mode } = page.store;
