@@ -186,6 +186,8 @@ async def test_a_stop_needs_no_control_no_body_and_no_payload_that_was_received(
         {"data": b"\xff" * 100_000, "headers": {"Content-Type": "nonsense"}},
         {"params": {"now": "please", "wait": "long"}},
         {"headers": {"Ross-Client": "a name with spaces, and much too long a one for that"}},
+        {"data": b"{}", "headers": {"Expect": "the-unexpected"}},
+        {"data": b"{}", "expect100": True},
     ],
 )
 async def test_nothing_that_comes_with_a_stop_prevents_it(ceremony):

@@ -103,9 +103,14 @@ def add_routes(app: web.Application, browsers: WebSocketSessions, *, token: bool
     app.router.add_get(OPENAPI, description)
     for operation in OPERATIONS:
         answering = _answering(operation, programs, browsers)
-        app.router.add_route(operation.method, BASE + operation.path, answering)
+        expected = _expects_nothing if operation.always else None
+        app.router.add_route(operation.method, BASE + operation.path, answering, expect_handler=expected)
         if operation.method == "GET" and operation.media != event_stream.MEDIA:
             app.router.add_route("HEAD", BASE + operation.path, answering)
+
+
+async def _expects_nothing(request: web.Request) -> None:
+    """Pay no attention to an Expect header: what is answered does not depend on the body."""
 
 
 @cache
