@@ -1,12 +1,14 @@
 """Separators and explorers of others: checked when they are loaded and whenever they are used.
 
-What a plug-in does wrong becomes one `PluginError` that names it; the mission ends with it as a fault.
+What a plug-in does wrong becomes one `PluginError` that names it; the mission ends with it as a fault. Numbers of NumPy
+and lists are as good as Python's own and tuples, which is what everybody behind the checks gets.
 """
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
@@ -20,6 +22,7 @@ from ross_payload.interfaces import (
     Groups,
     LiveSeparator,
     Observation,
+    Quality,
     Real,
     ReconsideringExplorer,
     Scene,
@@ -28,7 +31,9 @@ from ross_payload.interfaces import (
 )
 
 MOST_SOURCES = 16  # of an estimate; planning costs more with each
-MOST_TEXT = 120  # characters of what a plug-in has raised
+MOST_TEXT = 120  # characters of what a plug-in has raised or returned
+LOUDEST = float(np.finfo(np.float32).max)
+LISTS, WHOLE, TRUTH = (tuple, list, np.ndarray), (int, np.integer), (bool, np.bool_)
 
 T = TypeVar("T")
 
@@ -81,7 +86,8 @@ class CheckedSeparator:
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
         """Separate a whole recording; spectrogram (2, n_freqs, n_frames)."""
         groups = _called(self._who, "batch", lambda: self._separator.batch(spectrogram, scene))
-        return _faultless(self._who, "batch", groups, _fault_of_groups(groups, spectrogram.shape[1:], scene))
+        fault = _fault_of_groups(groups, spectrogram.shape[1:], scene)
+        return _plain_groups(_faultless(self._who, "batch", groups, fault))
 
     def live(self, lookahead: int = 1) -> LiveSeparator:
         """Return the same separator frame by frame, checked as this one is.
@@ -124,8 +130,9 @@ class CheckedLiveSeparator:
         returned = _called(self._who, "step", lambda: self._separator.step(state, frame, scene))
         if not isinstance(returned, tuple) or len(returned) != len(("state", "groups")):
             raise PluginError(f"{self._who}: step: expected a state and groups, got {type(returned).__name__}")
-        fault = _fault_of_groups(returned[1], (*frame.shape[1:], 1), scene)
-        return _faultless(self._who, "step", returned, fault)
+        state, groups = returned
+        fault = _fault_of_groups(groups, (*frame.shape[1:], 1), scene)
+        return state, _plain_groups(_faultless(self._who, "step", groups, fault))
 
     def learn(self, window: Complex, scene: Scene, before: Any = None) -> Any:
         """Return what the latest frames (2, n_freqs, n_frames) tell about the sources."""
@@ -198,7 +205,7 @@ class CheckedExplorer:
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
         """Estimate K and all azimuths from every orientation heard so far."""
         believed = _called(self._who, "estimate", lambda: self._explorer.estimate(observations))
-        return _faultless(self._who, "estimate", believed, _fault_of_estimate(believed))
+        return _plain_estimate(_faultless(self._who, "estimate", believed, _fault_of_estimate(believed)))
 
     @property
     def reconsiders(self) -> bool:
@@ -209,8 +216,9 @@ class CheckedExplorer:
         """Explain all observations by the sources that are believed in, if that can be."""
         plugin: ReconsideringExplorer = self._explorer  # type: ignore[assignment]  # one that reconsiders
         renewed = _called(self._who, "reconsider", lambda: plugin.reconsider(observations, believed))
-        fault = "" if renewed is None else _fault_of_estimate(renewed)
-        return _faultless(self._who, "reconsider", renewed, fault)
+        if renewed is None:
+            return None
+        return _plain_estimate(_faultless(self._who, "reconsider", renewed, _fault_of_estimate(renewed)))
 
 
 def _expect_methods(who: str, plugin: Any, methods: dict[str, tuple[str, ...]]) -> None:
@@ -256,18 +264,46 @@ def _fault_of_groups(groups: Any, shape: tuple[int, ...], scene: Scene) -> str:
     fault = _fault_of_array("signals", groups.signals, "c", (None, *shape))
     if fault:
         return fault
+    if max(np.abs(groups.signals.real).max(initial=0), np.abs(groups.signals.imag).max(initial=0)) > LOUDEST:
+        return "signals: expected numbers that single precision can hold, got larger ones"
     n, most = len(groups.signals), max(scene.n_sources, 2)
     if not min(scene.n_sources, 1) <= n <= most:
         return f"expected 1 to {most} groups, got {n}"
-    if len(groups.members) != n:
-        return f"expected members of {n} groups, got {len(groups.members)}"
-    if any(not 0 <= source < scene.n_sources for group in groups.members for source in group):
-        return f"expected members from 0 to {scene.n_sources - 1}, got {groups.members}"
     if groups.masks is not None:
         fault = _fault_of_array("masks", groups.masks, "f", (n, *shape))
-    if len(groups.quality) not in (0, n):
-        fault = f"expected the quality of {n} groups or of none, got {len(groups.quality)}"
-    return fault
+    return fault or _fault_of_members(groups.members, n, scene.n_sources) or _fault_of_words(groups, n)
+
+
+def _fault_of_members(members: Any, n: int, n_sources: int) -> str:
+    """What is wrong with the members of ``n`` groups."""
+    if not isinstance(members, LISTS) or not all(isinstance(group, LISTS) for group in members):
+        return f"members: expected a tuple of indices for every group, got {_short(members)}"
+    if len(members) != n:
+        return f"expected members of {n} groups, got {len(members)}"
+    if all(isinstance(source, WHOLE) and 0 <= source < n_sources for group in members for source in group):
+        return ""
+    return f"expected members from 0 to {n_sources - 1}, got {_short(members)}"
+
+
+def _fault_of_words(groups: Groups, n: int) -> str:
+    """What is wrong with what a separator says about ``n`` groups."""
+    for name, text in (("method", groups.method), ("why", groups.why)):
+        if not isinstance(text, str):
+            return f"{name}: expected a text, got {_short(text)}"
+    quality = groups.quality
+    if not isinstance(quality, LISTS) or len(quality) not in (0, n):
+        got = len(quality) if isinstance(quality, LISTS) else type(quality).__name__
+        return f"expected the quality of {n} groups or of none, got {got}"
+    for each in quality:
+        if not isinstance(each, Quality) or not (_finite(each.si_sdr) and _finite(each.si_sdri)):
+            return f"quality: expected finite numbers of type Quality, got {_short(each)}"
+    return ""
+
+
+def _plain_groups(groups: Groups) -> Groups:
+    members = tuple(tuple(int(source) for source in group) for group in groups.members)
+    quality = tuple(Quality(float(each.si_sdr), float(each.si_sdri)) for each in groups.quality)
+    return replace(groups, members=members, quality=quality)
 
 
 def _fault_of_observation(seen: Any) -> str:
@@ -275,6 +311,8 @@ def _fault_of_observation(seen: Any) -> str:
         return f"expected Observation, got {type(seen).__name__}"
     if not (_finite(seen.heading) and _finite(seen.weight) and seen.weight >= 0):
         return f"expected a finite heading and a weight of 0 or more, got {seen.heading!r} and {seen.weight!r}"
+    if not isinstance(seen.peaks, LISTS) or not all(map(_finite, seen.peaks)):
+        return f"peaks: expected a tuple of finite ITDs [s], got {_short(seen.peaks)}"
     return _fault_of_array("grid", seen.grid, "f", (None,)) or _fault_of_array(
         "density", seen.density, "f", seen.grid.shape
     )
@@ -283,15 +321,54 @@ def _fault_of_observation(seen: Any) -> str:
 def _fault_of_estimate(believed: Any) -> str:
     if not isinstance(believed, Estimate):
         return f"expected Estimate, got {type(believed).__name__}"
+    if not isinstance(believed.sources, LISTS):
+        return f"sources: expected a tuple, got {type(believed.sources).__name__}"
     if believed.k > MOST_SOURCES:
         return f"expected at most {MOST_SOURCES} sources, got {believed.k}"
-    for source in believed.sources:
-        if not isinstance(source, SourceEstimate):
-            return f"expected sources of type SourceEstimate, got {type(source).__name__}"
-        values = source.azimuth, source.sigma, source.confidence, source.weight
-        if not all(map(_finite, values)) or source.sigma < 0 or not 0 <= source.confidence <= 1:
-            return f"expected finite numbers, sigma >= 0 and confidence from 0 to 1, got {source}"
+    fault = next(filter(None, map(_fault_of_source, believed.sources)), "")
+    if not fault and not (isinstance(believed.certain, TRUTH) and _finite_or_none(believed.directness)):
+        told = f"{_short(believed.certain)} and {_short(believed.directness)}"
+        fault = f"expected certain true or false and a finite directness or None, got {told}"
+    if not fault and believed.rival is not None:
+        fault = _fault_of_estimate(believed.rival)
+        fault = fault and f"rival: {fault}"
+    return fault
+
+
+def _fault_of_source(source: Any) -> str:
+    if not isinstance(source, SourceEstimate):
+        return f"expected sources of type SourceEstimate, got {type(source).__name__}"
+    values = source.azimuth, source.sigma, source.confidence, source.weight
+    if not all(map(_finite, values)) or source.sigma < 0 or not 0 <= source.confidence <= 1:
+        return f"expected finite numbers, sigma >= 0 and confidence from 0 to 1, got {source}"
+    if not (_finite_or_none(source.elevation) and _finite_or_none(source.elevation_sigma)):
+        return f"expected a finite elevation and its sigma, or None, got {source}"
+    if not isinstance(source.resolved, TRUTH):
+        return f"expected resolved true or false, got {source}"
     return ""
+
+
+def _plain_estimate(believed: Estimate) -> Estimate:
+    return replace(
+        believed,
+        sources=tuple(map(_plain_source, believed.sources)),
+        certain=bool(believed.certain),
+        directness=_float_or_none(believed.directness),
+        rival=None if believed.rival is None else _plain_estimate(believed.rival),
+    )
+
+
+def _plain_source(source: SourceEstimate) -> SourceEstimate:
+    return replace(
+        source,
+        azimuth=float(source.azimuth),
+        sigma=float(source.sigma),
+        confidence=float(source.confidence),
+        resolved=bool(source.resolved),
+        weight=float(source.weight),
+        elevation=_float_or_none(source.elevation),
+        elevation_sigma=_float_or_none(source.elevation_sigma),
+    )
 
 
 def _fault_of_array(what: str, values: Any, kind: str, shape: tuple[int | None, ...]) -> str:
@@ -307,4 +384,16 @@ def _fault_of_array(what: str, values: Any, kind: str, shape: tuple[int | None, 
 
 
 def _finite(value: Any) -> bool:
-    return isinstance(value, (int, float, np.floating)) and bool(np.isfinite(value))
+    return isinstance(value, (int, float, np.integer, np.floating)) and bool(np.isfinite(value))
+
+
+def _finite_or_none(value: Any) -> bool:
+    return value is None or _finite(value)
+
+
+def _float_or_none(value: float | None) -> float | None:
+    return None if value is None else float(value)
+
+
+def _short(value: Any) -> str:
+    return " ".join(repr(value).split())[:MOST_TEXT]

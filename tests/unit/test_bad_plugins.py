@@ -3,7 +3,7 @@
 import json
 import sys
 import time
-from dataclasses import replace
+from dataclasses import asdict, replace
 from importlib.metadata import EntryPoint
 from types import SimpleNamespace
 
@@ -19,7 +19,7 @@ from ross_payload.config import Config, validated
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import PluginError
 from ross_payload.events import Answer, Estimate, Finished, Outcome, SourceEstimate, State, StateChanged
-from ross_payload.interfaces import Observation, Scene
+from ross_payload.interfaces import Observation, Quality, Scene
 from ross_payload.orders import Explore, Seek
 from ross_payload.plugin_checks import CheckedSeparator, checked_explorer, load_separator
 from ross_payload.service.assemble import explorer_of
@@ -68,6 +68,16 @@ BAD_RESULTS = {
     ),
     "index": (lambda x, s: groups(x, s, members=((0,), (1,), (7,))), "expected members from 0 to 2"),
     "masks": (lambda x, s: groups(x, s, masks=np.ones(3)), "masks: expected shape (3, "),
+    "no members": (lambda x, s: groups(x, s, members=None), "members: expected a tuple of indices for every group"),
+    "flat members": (lambda x, s: groups(x, s, members=(0, 1, 2)), "members: expected a tuple of indices"),
+    "broken members": (lambda x, s: groups(x, s, members=((0.0,), (1.0,), (2.0,))), "expected members from 0 to 2"),
+    "no reason": (lambda x, s: groups(x, s, why=None), "why: expected a text, got None"),
+    "quality": (lambda x, s: groups(x, s, quality=(3.0,) * 3), "quality: expected finite numbers of type Quality"),
+    "nan quality": (lambda x, s: groups(x, s, quality=(Quality(np.nan, 0.0),) * 3), "quality: expected finite numbers"),
+    "loud": (
+        lambda x, s: groups(x, s, signals=np.full((3, *x[0].shape), 1e200 + 0j)),
+        "that single precision can hold",
+    ),
 }
 
 
@@ -116,6 +126,13 @@ BAD_EXPLORERS = {
     "confidence": (Believes(Estimate((source(confidence=7.0),))), "confidence from 0 to 1"),
     "crowd": (Believes(Estimate(tuple(source() for _ in range(100)))), "expected at most 16 sources, got 100"),
     "list": (Believes([source()]), "estimate: expected Estimate, got list"),
+    "elevation": (Believes(Estimate((source(elevation=np.nan),))), "expected a finite elevation"),
+    "directness": (Believes(Estimate((source(),), directness=np.nan)), "a finite directness or None"),
+    "certain": (Believes(Estimate((source(),), certain="yes")), "expected certain true or false"),
+    "resolved": (Believes(Estimate((source(resolved=None),))), "expected resolved true or false"),
+    "rival": (Believes(Estimate((source(),), rival=Estimate((source(np.nan),)))), "estimate: rival: expected finite"),
+    "no sources": (Believes(Estimate(None)), "sources: expected a tuple, got NoneType"),
+    "peaks": (Observes(Observation(0.0, np.zeros(1), np.ones(1), 1.0, peaks=(np.nan,))), "peaks: expected a tuple"),
     "again": (Reconsiders(), "reconsider: expected Estimate, got list"),
 }
 
@@ -149,6 +166,24 @@ def test_a_bad_explorer_ends_the_mission_as_a_fault_that_names_it(explorer, word
     assert result.outcome is Outcome.FAULT
     assert result.reason.startswith("explorer 'theirs': ")
     assert words in result.reason
+
+
+def test_numbers_of_numpy_and_lists_become_those_of_python():
+    def theirs(spectrogram, scene):
+        told = (Quality(np.float32(3.0), np.float32(2.0)),) * scene.n_sources
+        return groups(spectrogram, scene, members=[np.array([k]) for k in range(scene.n_sources)], quality=told)
+
+    spectrogram = np.zeros((2, 5, 4), np.complex64)
+    scene = Scene(np.arange(5.0), 0.05, 343.0, 2, np.zeros(2))
+    separated = CheckedSeparator("theirs", separator(theirs)).batch(spectrogram, scene)
+    assert json.dumps([separated.members, asdict(separated.quality[0])]) == (
+        '[[[0], [1]], {"si_sdr": 3.0, "si_sdri": 2.0}]'
+    )
+    one = source(np.float32(0.5), resolved=np.bool_(True), confidence=np.float32(1.0), elevation=np.float32(0.25))
+    believed = Estimate([one], certain=np.all([True]), directness=np.float32(0.75), rival=Estimate([one]))
+    plain = checked_explorer("theirs", lambda: Believes(believed)).estimate([])
+    assert json.dumps(asdict(plain)).startswith('{"sources": [{"azimuth": 0.5, ')
+    assert plain.rival.sources == plain.sources == (source(0.5, confidence=1.0, elevation=0.25, sigma=0.1),)
 
 
 def test_a_good_plug_in_is_left_alone_however_slow():
