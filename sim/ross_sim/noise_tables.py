@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from ross_payload.config import Degrees, Positive, Table
+from ross_sim.acoustics.far_noise import REACH
 
 Decibels = Annotated[float, Field(ge=-100, le=100)]
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-100, le=100)]
@@ -62,6 +64,8 @@ class NoiseSource(Table):
             raise ValueError(f"{wrong[0]}: expected one of {', '.join(sorted(KEYS[self.kind]))} for '{self.kind}'")
         if "azimuth_deg" in KEYS[self.kind] and self.azimuth_deg is None:
             raise ValueError("azimuth_deg: expected where it is, got nothing")
+        if self.kind == "passing_car" and self._cars > MOST_CARS:
+            raise ValueError(f"every_s: expected at most {MOST_CARS} cars to be heard at once, got {self._cars:.0f}")
         if self.kind == "rotor":
             near = [place for place in self.rotors_m if sum(x * x for x in place) < NEAREST**2]
             if near or not self.rotors_m:
@@ -73,7 +77,13 @@ class NoiseSource(Table):
         """Distance from the centre of the array [m]."""
         return self.distance_m or DISTANCE[self.kind]
 
+    @property
+    def _cars(self) -> float:
+        """How many are heard at once."""
+        return 2 * self.away * math.sqrt(REACH**2 - 1) / (self.speed_m_s * self.every_s)
 
+
+MOST_CARS = 30
 NEAREST = 0.1  # a rotor to the centre of the array [m]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,10 +27,10 @@ class Repeated:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Passing:
-    """A sound that moves at a constant speed, heard from one of the places of its way.
+    """A sound that moves at a constant speed, again and again, heard from one of the places of its way.
 
     The loudness is 1 while it is there, 0 while it is at a neighbour and straight in between, so that the signals of
-    all places add up to the sound.
+    all places add up to the sound. Several may be on their way at once; each then has another part of the sound.
 
     Parameters
     ----------
@@ -54,12 +55,20 @@ class Passing:
 
     def between(self, first: int, last: int) -> Samples:
         """Return the samples from ``first`` to before ``last``, (last - first,)."""
-        index = np.arange(first, last)
-        since = (index - self.nearest + self.every / 2) % self.every - self.every / 2
-        since = np.where(index < self.nearest, index - self.nearest, since)
+        index, heard = np.arange(first, last), np.zeros(last - first)
         there = np.zeros(self.along.size)
         there[self.here] = 1.0
-        loudness = np.interp(since * self.speed, self.along, there, left=0.0, right=0.0)
-        if not loudness.any():
-            return np.zeros(index.size, dtype=np.float32)
-        return np.asarray(self.sound[index % self.sound.size] * loudness, dtype=np.float32)
+        at_once = max(math.ceil((self.along[-1] - self.along[0]) / (self.speed * self.every)), 1)
+        for number in self._present(first, last):
+            ahead = (index - self.nearest - number * self.every) * self.speed
+            loudness = np.interp(ahead, self.along, there, left=0.0, right=0.0)
+            part = number % at_once * self.sound.size // at_once
+            heard += self.sound[(index + part) % self.sound.size] * loudness
+        return heard.astype(np.float32)
+
+    def _present(self, first: int, last: int) -> range:
+        """Numbers of those that are between the neighbours of this place within these samples."""
+        begin, end = self.along[max(self.here - 1, 0)], self.along[min(self.here + 1, self.along.size - 1)]
+        earliest = math.ceil((first - self.nearest - end / self.speed) / self.every)
+        latest = math.floor((last - self.nearest - begin / self.speed) / self.every)
+        return range(max(earliest, 0), latest + 1)
