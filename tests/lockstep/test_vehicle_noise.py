@@ -11,6 +11,7 @@ from ross_payload.config import validated
 from ross_payload.errors import ConfigError
 from ross_sim.acoustics import far_noise
 from ross_sim.clock import SimClock
+from ross_sim.noise_tables import Noise
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.world import World
 from ross_sim.talkers.speech import TalkerVoice
@@ -120,6 +121,14 @@ def test_a_car_comes_from_where_it_is_and_is_loudest_where_it_is_nearest(tmp_pat
     levels = [power_db(noise[0, s * RATE : (s + 2) * RATE]) for s in (1, 3, 5, 7, 9)]
     assert levels.index(max(levels)) == 2
     assert levels[0] < levels[1] < levels[2] > levels[3] > levels[4]
+
+
+def test_noise_beyond_the_converter_is_clipped_and_wraps_nowhere(tmp_path):
+    told = scenario().model_copy(update={"noise": Noise(snr_db=-100.0)})
+    world = heard(told, tmp_path, seconds=1.0)
+    loud = world.noise() > 0
+    assert np.mean(loud) == pytest.approx(0.5, abs=0.02)
+    assert np.mean((world.mixture() > 0) == loud) > 0.999
 
 
 def test_recorded_rotors_share_the_recordings_of_a_folder(tmp_path):

@@ -126,6 +126,11 @@ def test_pauses_start_and_end_are_silent_and_the_speech_loops():
     assert np.mean(said[RATE : 2 * RATE] ** 2) == pytest.approx(1.0, rel=0.05)
 
 
+def test_a_start_beyond_all_time_never_comes():
+    talk = Timeline.of(noise(1, seconds=1), RATE, start=1e308, end=1.5e308, pauses=[(1e307, 1e308)])
+    assert not talk.between(0, RATE).any()
+
+
 def test_motor_is_silent_at_rest_and_fades():
     motor = MotorNoise(0.1, np.random.default_rng(1))
     assert motor.between(0.3, 0.3, QUANTUM) == 0.0

@@ -27,6 +27,7 @@ from ross_sim.talkers.speech import TalkerVoice
 
 Counts = NDArray[np.int32]
 
+LOUDEST = np.float32(2**26)  # of a talker or of all noise [counts], 8 times full scale; 30 of them fit into 32 bits
 AHEAD = 25  # quanta that are rendered at once while nothing turns, from multiples of so many on
 
 
@@ -291,7 +292,8 @@ def _reference(scenario: Scenario) -> float:
 
 
 def _counts(samples: Samples) -> Counts:
-    return np.asarray(np.rint(samples * np.float32(FULL_SCALE)), dtype=np.int32)
+    counts = np.rint(samples * np.float32(FULL_SCALE))
+    return np.asarray(np.minimum(np.maximum(counts, -LOUDEST), LOUDEST), dtype=np.int32)
 
 
 def _converted(counts: Counts) -> Counts:

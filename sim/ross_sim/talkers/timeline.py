@@ -11,6 +11,7 @@ import numpy as np
 from ross_payload.interfaces import Samples
 
 FADE = 0.005  # of every edit [s]
+NEVER = 2.0**62  # [samples]; a start that is later does not come
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +51,7 @@ class Timeline:
         faded = speech * np.clip(np.minimum(edge, edge[::-1]) / fade, 0, 1)
         return cls(
             speech=faded.astype(np.float32),
-            start=round(start * rate),
+            start=round(min(start * rate, NEVER)),
             end=math.inf if end is None else end * rate,
             pauses=tuple((begin * rate, stop * rate) for begin, stop in pauses),
             fade=fade,
