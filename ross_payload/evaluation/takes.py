@@ -111,6 +111,9 @@ def paired(mixture: Take, target: Take, rate: int) -> Pair:
     mixture, target = resampled(mixture, rate), resampled(target, rate)
     found = lag_of(mixture.samples[0], target.samples[0])
     reference, span = placed(target.samples[0], found, mixture.samples.shape[1])
+    if _correlation(mixture.samples[0, span], reference) < 0:
+        reference = -reference
+        notes += ("target: its polarity is the opposite of that in the mixture, and turned over",)
     if reference.size < SHORTEST * rate:
         common = reference.size / rate
         raise AudioError(f"mixture and target: expected {SHORTEST:g} s or more in common, got {common:.2f} s")
@@ -135,7 +138,8 @@ def _cut(mixture: Take, target: Take, common: float) -> tuple[str, ...]:
 def lag_of(mixture: Real, target: Real) -> float:
     """Delay [samples] of a target (m,) inside a mixture (n,): the peak of the cross-correlation, between samples too.
 
-    The correlation is band-limited, so its values between samples are a windowed sinc sum of those around the peak.
+    The peak may be negative: wires that are turned over do not move a sound. The correlation is band-limited, so its
+    values between samples are a windowed sinc sum of those around the peak.
 
     Examples
     --------
@@ -147,13 +151,13 @@ def lag_of(mixture: Real, target: Real) -> float:
     n = scipy.fft.next_fast_len(mixture.size + target.size - 1, real=True)
     spectrum = scipy.fft.rfft(mixture - mixture.mean(), n) * scipy.fft.rfft(target - target.mean(), n).conj()
     correlation = scipy.fft.irfft(spectrum, n)
-    top = int(correlation.argmax())
+    top = int(np.abs(correlation).argmax())
     around = np.arange(-REACH, REACH + 1)
     offsets = np.arange(-1.0, 1.0 + FINE / 2, FINE)
     apart = offsets[:, None] - around
     weights = np.sinc(apart) * np.cos(np.pi / 2 * np.clip(apart / (REACH + 1), -1, 1)) ** 2
     lag = (top if top < mixture.size else top - n) + float(
-        offsets[(weights @ correlation[(top + around) % n]).argmax()]
+        offsets[np.abs(weights @ correlation[(top + around) % n]).argmax()]
     )
     return float(round(lag)) if abs(lag - round(lag)) < WHOLE else round(lag, 2)
 

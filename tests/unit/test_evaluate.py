@@ -131,6 +131,14 @@ def test_another_start_and_level_of_the_second_take_change_nothing(scene, takes,
     assert best(values)["si_sdri_db"] == pytest.approx(truth(max(round(-delay * RATE), 0)), abs=0.1)
 
 
+def test_a_target_of_the_other_polarity_scores_alike_and_is_said_to_be(takes, scored, tmp_path):
+    samples, rate = soundfile.read(takes / "b.wav", always_2d=True)
+    soundfile.write(tmp_path / "turned.wav", -samples, rate, subtype="PCM_24")
+    turned, plain = (scored(takes / "a.wav", take, *DUET) for take in (tmp_path / "turned.wav", takes / "b.wav"))
+    assert turned.pop("notes") == ["target: its polarity is the opposite of that in the mixture, and turned over"]
+    assert turned == {name: value for name, value in plain.items() if name != "notes"}
+
+
 @pytest.mark.soak
 def test_the_target_may_have_been_recorded_at_another_rate(scene, takes, scored, tmp_path, truth):
     recording, heading = scene
