@@ -102,6 +102,7 @@ def test_keys_of_the_payload_can_be_changed():
         ({"k": (3, 3)}, "names something twice"),
         ({"settings": ("explore.pipelined",)}, "expected key=value"),
         ({"settings": ("explore.colour=1",)}, "unknown key"),
+        ({"seed": 2**62}, "seed: expected a number less than 4611686018427387904"),
     ],
 )
 def test_what_cannot_be_flown_is_refused_in_one_line(changes, words):

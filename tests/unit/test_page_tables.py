@@ -12,6 +12,7 @@ from ross_payload.errors import ConfigError, OutputError
 from ross_sim.study.command import command
 from ross_sim.study.live_tables import Row, appended, tables
 from ross_sim.study.page_tables import BLOCK, tables_of, with_tables, write_page
+from ross_sim.study.tables import Table
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = sorted(path for suffix in ("md", "inc") for path in DOCS.rglob(f"*.{suffix}") if "_build" not in path.parts)
@@ -153,3 +154,8 @@ def test_rows_that_are_none_are_refused(tmp_path):
     path.write_text(",".join(Row.__dataclass_fields__) + "\n")
     with pytest.raises(ConfigError, match="expected rows, got none"):
         tables_of(path)
+
+
+def test_a_name_cannot_break_the_table_that_it_stands_in():
+    table = Table("", ("", "a|b"), (("two\nlines", "1"),))
+    assert table.body() == "|  | a\\|b |\n| --- | ---: |\n| two lines | 1 |"

@@ -226,6 +226,7 @@ def test_counts_of_tasks_are_products_of_the_axes():
         ({"k": (3, 3)}, "twice"),
         ({"rotations": ("sometimes",)}, "sometimes"),
         ({"colour": "red"}, "colour"),
+        ({"seed": 2**62}, "seed: expected a number less than 4611686018427387904"),
     ],
 )
 def test_a_study_that_makes_no_sense_is_refused_in_one_line(changes, words):

@@ -18,6 +18,7 @@ from ross_sim.scenario import Scenario, load, names
 from ross_sim.study.mission_rows import ABSENT, PRESENT
 from ross_sim.study.mixtures import SNR_DB, spread
 from ross_sim.study.room_settings import DISTANCE, FAR, HIGH, LOW, NEAR, SETTINGS
+from ross_sim.study.study_design import Seed
 from ross_sim.talkers.speech import TalkerVoice
 
 TRIES = 1000  # to place the talkers of a draw inside the room
@@ -33,7 +34,7 @@ class MissionStudy(Table):
     targets: Annotated[tuple[Literal["present", "absent"], ...], Field(min_length=1)] = ("present", "absent")
     draws: Annotated[int, Field(ge=1, le=10000)] = 20
     settings: tuple[str, ...] = ()  # changes of the payload, each "table.key=value"
-    seed: Annotated[int, Field(ge=0)] = 1000  # of the first draw; the next have the next seeds
+    seed: Seed = 1000  # of the first draw; the next have the next seeds
     turns_heard: bool = True  # false: as `turns_heard` of a scenario's room
 
     @field_validator("scenarios", "k", "targets")

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 AnyTask = TypeVar("AnyTask", bound="DataclassInstance")
 Frame = Annotated[int, Field(ge=128, le=8192, multiple_of=2)]
 Overlap = Annotated[float, Field(ge=0.25, le=0.9)]
+Seed = Annotated[int, Field(ge=0, lt=2**62)]  # rows have 64 bits for it, also when draws count on from there
 SLOWEST_DEG_S = 5.0  # of a payload that turns without a pause
 STOP = "stop"  # the schedule that ends where the explorer is certain
 
@@ -60,7 +61,7 @@ class Study(Table):
     rules: Literal["best", "paper"] = "best"  # where to turn: best predicted gain, or the paper's equations
     limit_deg: Positive = 200.0  # how far the joint may turn from the start, on either side
     talkers: tuple[str, ...] = ()  # of the folder; none: all
-    seed: Annotated[int, Field(ge=0)] = 0
+    seed: Seed = 0
 
     @field_validator("settings", "k", "separators", "noise", "explorers", "unit_s", "rotations", "turning_deg_s")
     @classmethod

@@ -32,7 +32,7 @@ class Table:
     def body(self) -> str:
         """Write the cells alone as Markdown."""
         lines = [self.header, tuple("---" if i == 0 else "---:" for i in range(len(self.header))), *self.rows]
-        return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+        return "\n".join(f"| {' | '.join(map(_cell, cells))} |" for cells in lines)
 
     def screen(self) -> Screen:
         """Lay it out for a terminal."""
@@ -42,6 +42,11 @@ class Table:
         for cells in self.rows:
             table.add_row(*map(escape, cells))
         return with_whole_words(table)
+
+
+def _cell(text: str) -> str:
+    """A text as a cell of Markdown: on one line, and a bar in it is no border."""
+    return " ".join(text.split()).replace("|", "\\|")
 
 
 def grouped(rows: Iterable[Row], key: Callable[[Row], Key]) -> dict[Key, list[Row]]:
