@@ -19,7 +19,7 @@ def astray(observed: Real, frequencies: Real, waves: Real, noise_psd: Real) -> f
     """Energy that no direction explains: hardly any in the open, the more the poorer the room.
 
     The median over strong bins of the part of their energy that is orthogonal to the steering vector that fits best;
-    0 when no bin is strong.
+    0 when no bin is strong, or there is no group.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def astray(observed: Real, frequencies: Real, waves: Real, noise_psd: Real) -> f
     power = observed[:, 0] + observed[:, 1]
     least = np.maximum(2 * CLEAR * noise_psd, LOUD * power.mean(axis=1))
     strong = (power > least[:, None]) & band(frequencies, *VOICE)[:, None]
-    if not strong.any():
+    if not (waves.shape[1] and strong.any()):
         return 0.0
     orthogonal = (waves @ adjugate(observed, axis=1)).min(axis=1)[strong] / (2 * power[strong])
     return float(np.median(orthogonal))

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -134,6 +136,14 @@ def test_what_both_microphones_hear_alike_gives_finite_signals(
 def test_nobody_gives_no_groups() -> None:
     _, mixture = _mixture(TAU, noise=0.01)
     assert separator.batch(mixture, _scene(np.zeros(0), 0.01)).signals.shape == (0, *mixture.shape[1:])
+
+
+@pytest.mark.parametrize("name", ["gaussian", "refined", "auto"])
+def test_nobody_gives_no_groups_however_loud_one_is_who_was_not_found(name) -> None:
+    heard = np.zeros((2, FREQUENCIES.size, 60), np.complex64)
+    heard[:, :, ::6] = 1.0
+    groups = load_separator(name).batch(heard, replace(_scene(np.zeros(0), 1e-6), hop=128))
+    assert (groups.signals.shape, groups.members) == ((0, *heard.shape[1:]), ())
 
 
 def test_unknown_directions_are_refused() -> None:
