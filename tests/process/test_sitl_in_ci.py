@@ -2,6 +2,7 @@
 
 import os
 import re
+import runpy
 import signal
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import pytest
 from command_syntax import complaint
 from ports import free_port
 from processes import ROSS, program
+from ross_sim.scenario import load
 from short_mission import CHEAP, SOON, brief
 
 ROOT = Path(__file__).parents[2]
@@ -84,6 +86,28 @@ def test_the_script_flies_the_example(tmp_path, environment, asked):
     assert flown.returncode == 0, flown.stdout + flown.stderr
     assert SAYS.search(flown.stdout)
     assert (tmp_path / "flight" / "payload.log").exists()
+
+
+def test_a_mistake_in_the_arguments_of_the_example_is_no_traceback():
+    def flown(*arguments):
+        command = [sys.executable, CI / "flight.py", "udpin:127.0.0.1:0", *arguments]
+        return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+
+    unknown, wrong = flown("no-such-room"), flown("demo", "five")
+    assert unknown.returncode == 1
+    assert unknown.stderr.startswith("scenario 'no-such-room' is unknown")
+    assert unknown.stderr.count("\n") == 1
+    assert wrong.returncode == 2
+    assert wrong.stderr.endswith("argument degrees: invalid float value: 'five'\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "clockwise"),
+    [("demo", [-40, -155, 80]), ("drone-yaw", [-10, -125, 110]), ("vehicle-yaw", [-40, -155, 80])],
+)
+def test_the_example_expects_azimuths_in_the_frame_of_the_payload(name, clockwise):
+    """The nose of drone-yaw points 30 degrees clockwise of north: azimuths of talkers count from there."""
+    assert runpy.run_path(str(CI / "flight.py"))["azimuths"](load(name)) == pytest.approx(clockwise)
 
 
 @pytest.fixture

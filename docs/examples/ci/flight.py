@@ -6,10 +6,14 @@ target was recognised, 1 with a line that says what was not.
 
 import asyncio
 import sys
+from argparse import ArgumentParser
 from contextlib import suppress
+from math import degrees
 
+from ross_payload.errors import RossError
 from ross_payload.ground import GroundError, TaskCancelled, connect
-from ross_sim.scenario import load
+from ross_sim.scenario import Scenario, load
+from ross_sim.sitl.mission_session import room_yaw
 
 MINUTES = 10.0  # until it is given up
 
@@ -19,9 +23,14 @@ def apart(one: float, other: float) -> float:
     return abs((one - other + 180.0) % 360.0 - 180.0)
 
 
+def azimuths(scenario: Scenario) -> list[float]:
+    """Where the talkers are for a client [deg]: clockwise, from north where the payload knows it."""
+    return [-(talker.azimuth_deg + degrees(room_yaw(scenario))) for talker in scenario.talkers]
+
+
 async def fly(url: str, scenario: str, allowed: float) -> str:
     """Fly one mission; return what is wrong with it, empty when all is well."""
-    truth = [-talker.azimuth_deg for talker in load(scenario).talkers]  # of a client: clockwise
+    truth = azimuths(load(scenario))
     async with connect(url) as payload:
         found = [source.azimuth_deg for source in await payload.explore()]
         print("talkers at", *(f"{azimuth:.1f}" for azimuth in found))
@@ -45,16 +54,22 @@ async def fly(url: str, scenario: str, allowed: float) -> str:
     return ""
 
 
-async def main(url: str, scenario: str, allowed: str = "5") -> int:
+async def main(url: str, scenario: str, allowed: float) -> int:
     """Fly within a time limit; return the exit code."""
     try:
         async with asyncio.timeout(60.0 * MINUTES):
-            wrong = await fly(url, scenario, float(allowed))
-    except (GroundError, TimeoutError) as error:
+            wrong = await fly(url, scenario, allowed)
+    except (GroundError, RossError, TimeoutError) as error:
         wrong = str(error) or f"expected an end within {MINUTES:g} minutes, got none"
     if wrong:
         print(wrong, file=sys.stderr)
     return 1 if wrong else 0
 
 
-sys.exit(asyncio.run(main(*sys.argv[1:])))
+if __name__ == "__main__":
+    parser = ArgumentParser(description="Fly one mission of a simulated payload.")
+    parser.add_argument("url")
+    parser.add_argument("scenario")
+    parser.add_argument("degrees", type=float, nargs="?", default=5.0)
+    given = parser.parse_args()
+    sys.exit(asyncio.run(main(given.url, given.scenario, given.degrees)))
