@@ -66,7 +66,7 @@ def described(system):
 def up(system):
     """Start the service's commands as its user, as the unit does; return what it says of itself and its exit code."""
     unit = (system.folder / "lib/systemd/system/ross.service").read_text()
-    before, command = (re.search(rf"(?m)^{name}=(.*)", unit)[1].split() for name in ("ExecStartPre", "ExecStart"))
+    before, command = (re.search(rf"(?m)^{name}=-?(.*)", unit)[1].split() for name in ("ExecStartPre", "ExecStart"))
     system.run(*before, user="ross")
     process = subprocess.Popen([str(word) for word in system.command(*command, user="ross")])
     ask = [str(word) for word in system.command("ross", "health", "/etc/ross/ross.toml", user="ross")]

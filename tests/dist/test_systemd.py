@@ -61,6 +61,11 @@ def test_a_wrong_configuration_does_not_restart_and_a_crash_does(service):
     assert service["SuccessExitStatus"].split() == ["130", str(AGAIN)]
 
 
+def test_a_wrong_configuration_that_is_found_while_waiting_does_not_restart_either(service):
+    """RestartPreventExitStatus does not apply to ExecStartPre (systemd.service(5)): its failure must not count."""
+    assert service["ExecStartPre"].startswith("-")
+
+
 def test_a_restart_that_was_asked_for_is_no_failure_and_happens(service):
     assert service["RestartForceExitStatus"] == str(AGAIN)
 
