@@ -23,6 +23,7 @@ from ross_payload.transport.udp import open_udp
 CAN = re.compile(r"(?<![A-Za-z0-9])((?:v|sl)?can[0-9]+)(?![A-Za-z0-9])")
 DEVICES = ("serial/by-id/*", "ttyUSB*", "ttyACM*", "ttyAMA*", "serial[0-9]", "ross-*")
 ADAPTER = re.compile(r"can:\w+:(/dev/.+?)(?::[0-9]+)?")  # a CAN adapter that is a serial port
+PI5_DEBUG = "ttyAMA10"  # UART of a Raspberry Pi 5 on its debug connector, to which /dev/serial0 leads there
 IFF_UP = 1
 LOCAL = (LOOPBACK, "localhost", "::1")
 
@@ -54,6 +55,9 @@ def serial(config: Config, machine: Machine) -> Iterator[Finding]:
             group = group_name(path.stat().st_gid)
             todo = f"sudo usermod -aG {group} USER for the user that runs it, then log in again"
             yield fail("serial", f"{device} cannot be read and written by this user", todo)
+        elif path.resolve().name == PI5_DEBUG:
+            todo = "for these take /dev/ttyAMA0, with dtparam=uart0=on in config.txt"
+            yield warn("serial", f"{device} is a Raspberry Pi 5's debug connector, not its pins 8 and 10", todo)
         else:
             yield ok("serial", f"{device} is there")
         yield from _console(device, machine)

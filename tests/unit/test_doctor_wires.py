@@ -38,6 +38,17 @@ def test_a_console_on_the_port_is_found_through_its_other_name(tmp_path):
     assert "console" in text
 
 
+def test_the_port_that_is_not_on_the_pins_of_a_raspberry_pi_5_is_named(tmp_path):
+    put(tmp_path, "/dev/ttyAMA10")
+    put(tmp_path, "/dev/ttyAMA0")
+    (tmp_path / "dev" / "serial0").symlink_to("ttyAMA10")
+    verdict, text = said(wire_checks.serial(config(links=[{"url": "serial:/dev/serial0:921600"}]), machine(tmp_path)))
+    assert verdict is Verdict.WARN
+    assert "/dev/ttyAMA0" in text
+    pins = config(links=[{"url": "serial:/dev/ttyAMA0:921600"}])
+    assert said(wire_checks.serial(pins, machine(tmp_path)))[0] is Verdict.OK
+
+
 def test_a_login_on_the_port_is_found(tmp_path):
     put(tmp_path, "/dev/ttyUSB0")
     busy = machine(tmp_path, {"systemctl": "active"})
