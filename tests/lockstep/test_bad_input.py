@@ -53,7 +53,13 @@ BAD_SCENARIOS = {
     "inside the room": "title = 'x'\n[[talkers]]\nazimuth_deg = 0\ndistance_m = 50\n",
     "spacing_m": "title = 'x'\ntalkers = []\n[payload.array]\nspacing_m = 0\n",
     "snr_db": "title = 'x'\ntalkers = []\n[noise]\nsnr_db = -1e6\n",
-    "unknown key": "title = 'x'\ncolour = 'red'\ntalkers = []\n",
+    "payload.listening.streams.0.sink: sink 'gramophone' is unknown": (
+        "title = 'x'\ntalkers = []\n[[payload.listening.streams]]\nsink = 'gramophone'\n"
+    ),
+    "payload.listening.streams.0.options of 'file': unknown key 'pfad'": (
+        "title = 'x'\ntalkers = []\n[[payload.listening.streams]]\nsink = 'file'\noptions = { pfad = 'x.wav' }\n"
+    ),
+    "unknown key 'colour'": "title = 'x'\ncolour = 'red'\ntalkers = []\n",
     "not TOML": "= = =",
 }
 

@@ -14,6 +14,7 @@ from ross_payload.audio.sinks import checked_options
 from ross_payload.config import Informed, Link, Listening, Stream, as_in_paper, validated
 from ross_payload.errors import ConfigError, refused_as, unknown
 from ross_payload.interfaces import VoicePrint
+from ross_payload.listening.observers import check_listening
 from ross_payload.named_paths import nearest_there
 from ross_payload.voiceprint import BuiltInModel, EmbeddingPrint, VoiceModel, VoiceStore, enrol
 from ross_payload.voiceprint.model_folder import ModelFolder
@@ -34,7 +35,13 @@ class TalkerSelection:
 
 
 def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
-    """Load a scenario and apply what the command line asks for instead."""
+    """Load a scenario and apply what the command line asks for instead.
+
+    Raises
+    ------
+    ConfigError
+        When the scenario or a change is wrong, or a stream of live listening cannot be.
+    """
     loaded = load(scenario)
     payload = as_in_paper(loaded.payload) if changes["paper"] else loaded.payload
     if changes["actuator"] and changes["actuator"] != payload.actuator.kind:
@@ -51,6 +58,10 @@ def directed(scenario: str, changes: Mapping[str, Any]) -> Scenario:
         payload = _with(payload, seed=changes["seed"])
     if changes["target"]:
         loaded = _with(loaded, target=0)  # whoever the file names is not asked for
+    try:
+        check_listening(payload)
+    except ConfigError as error:
+        raise type(error)(f"payload.{error}") from error
     changed: Scenario = _with(loaded, payload=payload)
     return changed
 
