@@ -10,7 +10,7 @@ from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.live_source import LiveSource, OnSamples
 from ross_payload.audio.open_source import SourceServices
 from ross_payload.errors import AudioError, refused_as
-from ross_payload.transport.link_url import tcp_endpoint
+from ross_payload.transport.link_url import host_and_port, tcp_endpoint
 from ross_protocols.audio.pcm import Decoder, PcmError
 
 CONNECT = 3.0  # [s] within which the other end answers and says what it sends
@@ -33,7 +33,7 @@ class PcmClient:
         AudioError
             When nobody answers, or what they send does not fit.
         """
-        where = f"tcp:{self._address[0]}:{self._address[1]}"
+        where = f"tcp:{host_and_port(*self._address)}"
         with refused_as(AudioError, f"{where}: no audio"):
             sock = socket.create_connection(self._address, CONNECT)
         try:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from ross_payload.mavlink.message_board import Board, Rank
 from ross_payload.streams import StreamStatus, What
 from ross_payload.telemetry.status_texts import Line
+from ross_payload.transport.link_url import host_and_port
 from ross_protocols.angle_text import rounded
 from ross_protocols.mavlink.field_converters import compass
 from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
@@ -155,5 +156,5 @@ def whom(status: StreamStatus) -> str:
 
 def way(status: StreamStatus) -> str:
     """Return where a stream goes, and how."""
-    place = f"{status.address}:{status.port}" if status.port else status.address or status.sink
+    place = host_and_port(status.address, status.port) if status.port else status.address or status.sink
     return f"{place} ({', '.join(filter(None, (status.sink, status.codec)))})"

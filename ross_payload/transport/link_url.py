@@ -93,6 +93,15 @@ def tcp_endpoint(text: str, option: str, min_port: int = 1) -> tuple[str, int]:
     return found["host"].strip("[]"), port
 
 
+def host_and_port(host: str, port: int) -> str:
+    """Write a host and a port as URLs do, an IPv6 host in brackets.
+
+    >>> host_and_port("::1", 5010)
+    '[::1]:5010'
+    """
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+
+
 def _serial(url: str, rest: str) -> Serial:
     device, _, baud = rest.rpartition(":")  # a device may have colons in its name
     if not device:

@@ -157,6 +157,7 @@ BAD = {
     "expected 'discover', 'client' or 'manager', got 'boss'": ["device", "gimbal", "--option", "role=boss"],
     "expected one of them": ["device", "gimbal", "--option", "role=client", "--config", "x.toml"],
     "--listen": ["hub", "--listen", "29536"],
+    "expected an IPv4 host": ["hub", "--listen", "tcp:[::1]:0"],
     "cannot listen:": ["hub", "--listen", "tcp:192.0.2.1:0"],
 }
 

@@ -94,6 +94,16 @@ def test_a_listener_hears_every_sample_from_its_connection_on(form):
         outlet.close()
 
 
+def test_a_world_is_heard_over_ipv6_too():
+    outlet = PcmServer("::1", 0, RATE, "s24le")
+    try:
+        with socket.create_connection(("::1", outlet.port), 10) as listener:
+            outlet.put(samples(160))
+            assert np.array_equal(drained(listener, Decoder(), 160), samples(160))
+    finally:
+        outlet.close()
+
+
 def test_a_listener_that_leaves_hurts_no_other():
     outlet = PcmServer("127.0.0.1", 0, RATE, "s24le")
     try:

@@ -116,7 +116,7 @@ class CanWire:
 def _hub_of(url: str) -> re.Match[str]:
     found = _HUB.fullmatch(url)
     if found is None or not 0 < int(found["port"]) < 65536:
-        raise ConfigError(f"wire '{url}': expected can:socketcand:HOST:PORT[:CHANNEL]")
+        raise ConfigError(f"wire '{url}': expected can:socketcand:HOST:PORT[:CHANNEL], an IPv4 host")
     return found
 
 

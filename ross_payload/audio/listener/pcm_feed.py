@@ -18,6 +18,7 @@ import numpy as np
 from ross_payload.audio.listener.feed import Feed, Progress
 from ross_payload.errors import AudioError, reason
 from ross_payload.interfaces import Samples
+from ross_payload.transport.link_url import host_and_port
 from ross_payload.transport.rtp.waveforms import lengthened, shortened
 from ross_protocols.audio.pcm import Decoder, PcmError
 
@@ -43,7 +44,7 @@ class PcmFeed(Feed):
 
     def __init__(self, address: tuple[str, int]) -> None:
         self._address = address
-        self.where = f"tcp:{address[0]}:{address[1]}"
+        self.where = f"tcp:{host_and_port(*address)}"
         self._rate = 0
         self._waiting: Samples = np.zeros(0, np.float32)
         self._guard = threading.Lock()  # of what waits, and counts

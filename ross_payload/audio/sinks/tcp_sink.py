@@ -20,7 +20,7 @@ from ross_payload.errors import AudioError, reason, refused_as
 from ross_payload.interfaces import VoiceBlock
 from ross_payload.transport.async_task import Backoff
 from ross_payload.transport.byte_stream import Stream
-from ross_payload.transport.link_url import LOOPBACK, Tcp
+from ross_payload.transport.link_url import LOOPBACK, Tcp, host_and_port
 from ross_payload.transport.ports import MAX_READ_BYTES
 from ross_payload.transport.tcp import TcpOpener, open_listeners, prepared
 from ross_protocols.audio.pcm import WIDTHS, Header, encode, encode_header
@@ -65,7 +65,7 @@ class TcpSink:
         self._options = options
         self._clock = services.clock
         self._rate = services.rate
-        self._where = f"tcp:{options.address}:{options.port}"
+        self._where = f"tcp:{host_and_port(options.address, options.port)}"
         self._header = encode_header(Header(services.rate, 1, options.codec))
         self._most = round(KEPT_S * services.rate) * WIDTHS[options.codec] + len(self._header)
         self._doors: list[socket.socket] = []
@@ -125,7 +125,7 @@ class TcpSink:
             with contextlib.suppress(OSError):  # nobody there, or gone again
                 while True:
                     connection, (host, port, *_) = door.accept()
-                    self._admit(connection, f"{host}:{port}")
+                    self._admit(connection, host_and_port(host, port))
         if self._opener is not None and not self._listeners and self._clock.now() >= self._due:
             self._connect(self._opener)
 

@@ -88,18 +88,24 @@ def _remedy(link: LinkState) -> str:
             return f"check that the other side is on, and the host and port {port} (nc -zv, ping); retrying"
 
 
+def _any(host: str) -> str:
+    """All addresses of a computer, of the kind that ``host`` is."""
+    return "[::]" if ":" in host else "0.0.0.0"  # noqa: S104  what to type, not what is listened on
+
+
 def _wanted(url: str) -> str:
     match parse(url):
         case Udp(listen=True, host=host, port=port):
-            near = f"; for payloads on other computers listen on udpin:0.0.0.0:{port}" if host in LOOPBACKS else ""
+            near = f"; for payloads on other computers listen on udpin:{_any(host)}:{port}" if host in LOOPBACKS else ""
             return f'the [[links]] of the payload need url = "udpout:HOST:{port}" where HOST is this computer{near}; \
 check with tcpdump -ni any udp port {port}'
         case Tcp(listen=True, host=host, port=port):
-            near = f"; for payloads on other computers listen on tcpin:0.0.0.0:{port}" if host in LOOPBACKS else ""
+            near = f"; for payloads on other computers listen on tcpin:{_any(host)}:{port}" if host in LOOPBACKS else ""
             return f'the [[links]] of the payload need url = "tcp:HOST:{port}" where HOST is this computer{near}; \
 check with ss -tn'
-        case Udp(port=port):
-            return f'the [[links]] of the payload need url = "udpin:0.0.0.0:{port}"; check with ping and ross doctor'
+        case Udp(host=host, port=port):
+            wanted = f"udpin:{_any(host)}:{port}"
+            return f'the [[links]] of the payload need url = "{wanted}"; check with ping and ross doctor'
         case Tcp():
             return "connected, but the other side sends nothing: is it the right port?"
         case Serial(device=device):

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from ross_payload.ground.model.health import ACT, GOOD
+from ross_payload.transport.link_url import host_and_port
 from ross_protocols.angle_text import rounded
 from ross_protocols.mavlink.field_converters import compass
 from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
@@ -70,8 +71,10 @@ def place(stream: StreamReport) -> str:
 
     >>> place(StreamReport(0, 0, 1, "rtp", Selection.TARGET, False, 48000, address="127.0.0.1", port=5004))
     '127.0.0.1:5004'
+    >>> place(StreamReport(0, 0, 1, "tcp", Selection.TARGET, False, 48000, address="::1", port=5010))
+    '[::1]:5010'
     """
-    return f"{stream.address}:{stream.port}" if stream.port else stream.address or stream.sink
+    return host_and_port(stream.address, stream.port) if stream.port else stream.address or stream.sink
 
 
 def instead(stream: StreamReport) -> str:

@@ -17,7 +17,7 @@ from ross_payload.clock import SystemClock
 from ross_payload.config import VEHICLE_YAW, Config
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clock
-from ross_payload.transport.link_url import Tcp, Udp, parse, tcp_endpoint
+from ross_payload.transport.link_url import Tcp, Udp, host_and_port, parse, tcp_endpoint
 from ross_payload.transport.open_port import open_port
 from ross_sim.devices.far_end import FarEnd
 from ross_sim.devices.gimbal_far_end import GimbalFarEnd
@@ -151,8 +151,7 @@ def _served(scheme: str, wire: str, far_end: FarEnd, epoch: float, stack: ExitSt
         return Connection(side, f"serial:{terminal.name}:{BAUD}", lambda: True)
     host, port = tcp_endpoint(wire.partition(":")[2], "--wire", min_port=0)
     server = stack.enter_context(WireServer(host, port, side, clock))
-    name = f"[{host}]" if ":" in host else host
-    return Connection(side, f"{scheme}:tcp:{name}:{server.port}", lambda: server.used)
+    return Connection(side, f"{scheme}:tcp:{host_and_port(host, server.port)}", lambda: server.used)
 
 
 def configured_wire(config: Config) -> str:
@@ -178,8 +177,7 @@ def opposite(url: str) -> str:
     if not isinstance(address, Udp | Tcp):
         return url
     kinds = ("udpout", "udpin") if isinstance(address, Udp) else ("tcp", "tcpin")
-    host = f"[{address.host}]" if ":" in address.host else address.host
-    return f"{kinds[0] if address.listen else kinds[1]}:{host}:{address.port}"
+    return f"{kinds[0] if address.listen else kinds[1]}:{host_and_port(address.host, address.port)}"
 
 
 def advice(config: Config, address: str) -> str:

@@ -111,15 +111,17 @@ def hub(*, listen: str, as_json: bool) -> int:
     import asyncio
 
     from ross_payload.clock import SystemClock
+    from ross_payload.errors import ConfigError
     from ross_payload.transport.async_task import set_by_signal
     from ross_payload.transport.link_url import tcp_endpoint
     from ross_sim.devices.can_hub import CanHub
 
     host, port = tcp_endpoint(listen, "--listen", min_port=0)
+    if ":" in host:
+        raise ConfigError(f"--listen: expected an IPv4 host, since clients of socketcand know no other, got '{listen}'")
 
     def on_port(port: int) -> None:
-        name = f"[{host}]" if ":" in host else host
-        address = f"can:socketcand:{name}:{port}"
+        address = f"can:socketcand:{host}:{port}"
         click.echo(json.dumps({"hub": address}) if as_json else f"ready: {address}:CHANNEL, any CHANNEL")
 
     async def live() -> None:

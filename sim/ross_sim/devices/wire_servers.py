@@ -24,6 +24,7 @@ from ross_payload.actuators.wires.codecs import CanCodec, RawCodec
 from ross_payload.errors import LinkError, refused_as
 from ross_payload.interfaces import Clock, Port
 from ross_payload.transport.async_task import drained
+from ross_payload.transport.link_url import host_and_port
 from ross_sim.devices.ideal import Goal, Halt, Report
 
 TICK = 0.002  # [s] between two looks at the wire
@@ -253,8 +254,8 @@ def listen(host: str, port: int) -> socket.socket:
     LinkError
         When that is not possible.
     """
-    with refused_as(LinkError, f"tcp:{host}:{port}: cannot listen"):
-        return socket.create_server((host, port))
+    with refused_as(LinkError, f"tcp:{host_and_port(host, port)}: cannot listen"):
+        return socket.create_server((host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET)
 
 
 def _frame(line: bytes) -> Any:

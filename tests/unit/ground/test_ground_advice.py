@@ -34,6 +34,8 @@ def says(link: LinkState, *payloads: PayloadState, now: float = 30.0, key: bool 
         (URL, 'url = "udpout:HOST:14550" where HOST is this computer; for payloads on other computers listen on'),
         ("udpin:0.0.0.0:14550", "where HOST is this computer; check with tcpdump -ni any udp port 14550"),
         ("udpout:10.0.0.7:14550", 'the [[links]] of the payload need url = "udpin:0.0.0.0:14550"'),
+        ("udpin:[::1]:14550", "for payloads on other computers listen on udpin:[::]:14550"),
+        ("udpout:[fd00::7]:14550", 'the [[links]] of the payload need url = "udpin:[::]:14550"'),
         ("tcp:10.0.0.7:5760", "connected, but the other side sends nothing: is it the right port?"),
         ("tcpin:127.0.0.1:5760", 'url = "tcp:HOST:5760" where HOST is this computer; for payloads on other'),
         ("serial:/dev/ttyUSB0:57600", "check the wires (RX to TX) and the baud rate; serial:/dev/ttyUSB0:auto tries"),
