@@ -211,8 +211,13 @@ class CommandProtocol:
         elif self._now - one.answered > DEDUP_S:
             self._give_up(one)
         else:
-            self._send_order(one)
+            if not self._is_overtaken(one):
+                self._send_order(one)
             one.due = self._now + PROGRESS_POLL_S
+
+    def _is_overtaken(self, one: _OpenCommand) -> bool:
+        """Whether a later one of its kind may have replaced it: said again, it would be done in the place of that."""
+        return any(other.number > one.number and other.order.number == one.order.number for other in self._of(one.who))
 
     def _is_sought(self, one: _OpenCommand) -> bool:
         """Whether it is a stop for somebody who was never heard, but may be any moment: we may have just started."""
@@ -244,18 +249,26 @@ class CommandProtocol:
         *older, newest = alike
         going_on = [one for one in older if one.answered is not None]
         if ack.result is Result.IN_PROGRESS:
-            self._goes_on(newest, ack.progress, alone=not going_on)
+            self._goes_on(newest, ack.progress, going_on)
         elif ENDS[ack.result][0] == REFUSED or newest.answered is not None or not going_on:
             self._is_over(newest, older, ack.result)
         else:
             self._is_over(going_on[-1], [], ack.result)
 
-    def _goes_on(self, one: _OpenCommand, progress: float | None, *, alone: bool) -> None:
-        """Take an order for begun; beside an older one of its kind it is asked once more: the answer may be to that."""
+    def _goes_on(self, one: _OpenCommand, progress: float | None, older: list[_OpenCommand]) -> None:
+        """Take an order for begun; beside an older one of its kind it is asked once more: the answer may be to that.
+
+        When it goes on then, it has taken the place of the older ones.
+        """
         first, given_up, one.over = one.answered is None, one.over, False
         one.answered = self._now
-        if given_up or (not one.cancelling and (alone or not first)):
+        sure = not older or one.sent > 1
+        if given_up or (sure and not one.cancelling):
             one.due = self._now + PROGRESS_TIMEOUT_S
+        for other in older:
+            other.answered = self._now  # it may be to that
+            if sure:
+                self._end(other, CANCELLED, REPLACED)
         state = ACKNOWLEDGED if first and progress is None else IN_PROGRESS
         self._change(one, state, "", progress=progress)
 

@@ -203,8 +203,33 @@ def test_listening_to_another_one_takes_the_place_of_listening(script):
     script.wait(1.05)
     assert script.heard[-1][1].param2 == 1, "the answer may have been to the first: it asks once more"
     script.ack(LISTEN, Result.IN_PROGRESS)
+    assert script.states() == ["cancelled", "in_progress"]
     script.ack(LISTEN, Result.CANCELLED)
     assert script.states() == ["cancelled", "cancelled"]
+
+
+def test_what_another_of_its_kind_has_replaced_is_not_asked_for_again(script):
+    """The payload would take it for a new order, and do it in the place of the later one or refuse it."""
+    script.orders.order(WHO, Listen(source=0))
+    script.ack(LISTEN, Result.IN_PROGRESS)
+    script.wait(0.9)
+    script.orders.order(WHO, Listen(source=1))
+    for _ in range(100):
+        script.ack(LISTEN, Result.IN_PROGRESS)
+        script.wait(0.1)
+    assert [message.param2 for _, message in script.heard] == [0, 1, 1]
+    assert [doing.reason for doing in script.orders.doing] == ["replaced by another command", ""]
+
+
+def test_an_order_is_asked_for_again_when_the_later_one_of_its_kind_was_refused(script):
+    script.orders.order(WHO, Turn(40))
+    script.ack(TURN, Result.IN_PROGRESS)
+    script.orders.order(WHO, Turn(50))
+    script.ack(TURN, Result.TEMPORARILY_REJECTED)
+    script.wait(2.1)
+    assert [message.param1 for _, message in script.heard] == [40, 50, 40]
+    script.ack(TURN, Result.ACCEPTED)
+    assert script.states() == ["done", "refused"]
 
 
 def test_the_end_of_the_first_is_not_that_of_the_second_which_was_not_heard_yet(script):
