@@ -64,6 +64,13 @@ def test_the_rules_of_the_package_are_those_of_the_example_without_numbers_of_si
     assert not any("serial" in line or "KERNELS" in line for line in chosen)
 
 
+def test_the_package_has_every_example_that_the_manual_speaks_of():
+    command = ["make", "--dry-run", "--file", "docs/deploy/debian/rules", "override_dh_installexamples"]
+    told = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    examples = {f"docs/examples/{path.name}" for path in (ROOT / "docs/examples").iterdir() if path.is_file()}
+    assert examples - set(told) == {"docs/examples/ross.service"}  # which is installed as the service
+
+
 def test_tests_stubs_and_foreign_dialects_are_left_out_and_our_data_stay(environment, tmp_path):
     kept = {"numpy/a.py", "pymavlink/dialects/v20/common.py", "pymavlink/dialects/v20/__init__.py", "scipy/io/b.py"}
     kept |= {"ross_protocols/data/mavlink/ross.xml", "ross_protocols/data/x.h", "a.dist-info/METADATA"}
