@@ -26,8 +26,9 @@ from ross_payload.notify import on_signal
 from ross_payload.orders import Stop
 from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.runner import Observer, Runner
-from ross_payload.service.state_folder import state_folder
+from ross_payload.service.state_folder import owned, state_folder
 from ross_payload.service.stop_latch import STOPPED, StopLatch
+from ross_payload.service.zero_mark import zero_mark_of
 from ross_payload.timebase import Timebase
 
 POLL_PERIOD_S = 0.010  # [s]
@@ -105,9 +106,10 @@ def live(config: Config, plan: TurnPlan, ask: Callable[[], bool]) -> tuple[list[
         raise ConfigError("audio.source: expected microphones, got a file: a recording is read with --recording")
     clock, folder = SystemClock(), state_folder(config)
     sys.setswitchinterval(SWITCH_S)
-    if StopLatch.of(folder).closed:
-        raise ActuatorFault(STOPPED)
     with ExitStack() as stack:
+        stack.enter_context(owned(folder))
+        if StopLatch.of(folder).closed:
+            raise ActuatorFault(STOPPED)
         links = Router.open(config.links, clock, system_id=config.telemetry.system_id, state=folder)
         stack.enter_context(links)
         timebase = Timebase(clock, synchronised_time, system_id=config.telemetry.system_id)
@@ -115,13 +117,16 @@ def live(config: Config, plan: TurnPlan, ask: Callable[[], bool]) -> tuple[list[
         stack.callback(clock.every(POLL_PERIOD_S, links.poll))
         services = Services(clock, opener(links, config.telemetry.component_id, clock))
         actuator = stack.enter_context(open_actuator(config, services))
+        mark = zero_mark_of(config, folder, actuator)
+        if mark is not None:
+            stack.callback(mark.close)
         mount = mount_of(config, clock, links, timebase)
         if not ask():
             raise Stopped
         source: AudioSource = open_source(config, clock, SERVER_START_TIMEOUT_S)
         stack.enter_context(source)
         rig = Rig(clock, actuator, source, mount)
-        return turned(rig, config, plan), rig.mount.attitude(clock.now()).known
+        return turned(rig, config, plan, () if mark is None else (mark,)), rig.mount.attitude(clock.now()).known
 
 
 def _ready(rig: Rig, config: Config, *, home: bool) -> None:

@@ -24,8 +24,9 @@ from ross_payload.doctor.probe_moves import Figures, Leg, figures, judge, make
 from ross_payload.errors import ActuatorError, RossError
 from ross_payload.interfaces import ActuatorState, Feedback, Services
 from ross_payload.mavlink import Router
-from ross_payload.service.state_folder import state_folder, state_path
+from ross_payload.service.state_folder import owned, state_folder, state_path
 from ross_payload.service.stop_latch import STOPPED, StopLatch
+from ross_payload.service.zero_mark import zero_mark_of
 from ross_protocols.angle_text import rotation
 
 POLL_PERIOD_S = 0.010  # [s]
@@ -69,12 +70,13 @@ def open_services(config: Config) -> Iterator[Services]:
     Raises
     ------
     RossError
-        When a link cannot be opened.
+        When a payload runs on the state folder, or a link cannot be opened.
     """
     clock = SystemClock()
     used = config.links if getattr(checked_options(config), "port", "") == SCHEME else ()
     with ExitStack() as stack:
-        state = state_folder(config) if used else None
+        state = state_folder(config) if used else state_path(config)
+        stack.enter_context(owned(state))
         links = stack.enter_context(Router.open(used, clock, system_id=config.telemetry.system_id, state=state))
         if used:
             stack.callback(clock.every(POLL_PERIOD_S, links.poll))
@@ -93,7 +95,7 @@ def probe(config: Config, services: Services, wishes: Wishes, results: Results) 
         yield fail("open", str(error), "see `ross actuators` and the page of this actuator")
         return
     try:
-        with _polled(guard, services):
+        with _polled(guard, config, services):
             yield from _examined(guard, config, services, wishes, results)
     except RossError as error:
         yield fail("open", str(error), "wire, power, permission? See the page of this actuator")
@@ -117,11 +119,21 @@ def _examined(guard: Guard, config: Config, services: Services, wishes: Wishes, 
 
 
 @contextmanager
-def _polled(guard: Guard, services: Services) -> Iterator[None]:
-    """Keep a guarded actuator open and polled; at the end it stops and stands still before it is closed."""
+def _polled(guard: Guard, config: Config, services: Services) -> Iterator[None]:
+    """Keep a guarded actuator open and polled; at the end it stops and stands still before it is closed.
+
+    Whether it is away from a declared zero is kept for whoever opens it next, and believed of whoever had it before.
+    """
     clock = services.clock
     with guard:
-        cancel = clock.every(POLL_PERIOD_S, lambda: guard.poll(clock.now()))
+        mark = zero_mark_of(config, state_path(config), guard)
+
+        def poll() -> None:
+            guard.poll(clock.now())
+            if mark is not None:
+                mark.look()
+
+        cancel = clock.every(POLL_PERIOD_S, poll)
         try:
             yield
         finally:
@@ -131,6 +143,8 @@ def _polled(guard: Guard, services: Services) -> Iterator[None]:
             while guard.state().rate and clock.now() < end:
                 clock.sleep(POLL_PERIOD_S)
             cancel()
+            if mark is not None:
+                mark.close()
 
 
 def _first_report(guard: Guard, services: Services) -> ActuatorState:

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from ross_payload.actuators.guard import Guard
-from ross_payload.actuators.registry import checked_options, open_actuator
+from ross_payload.actuators.registry import open_actuator
 from ross_payload.audio.audio_health import HealthMonitor
 from ross_payload.audio.live_source import Watched
 from ross_payload.audio.shared_source import SharedSource
@@ -39,7 +39,7 @@ from ross_payload.service.live_listening import described, heard, listening_of, 
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.service.voice_keeper import VoiceKeeper
-from ross_payload.service.zero_mark import ZeroMark
+from ross_payload.service.zero_mark import zero_mark_of
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.recorder import Recorder
 from ross_payload.sessions.session_store import SessionStore
@@ -157,11 +157,11 @@ def _asked(parts: Parts, monitor: HealthMonitor, recorder: Recorder) -> Iterator
 @contextmanager
 def _marked(parts: Parts, actuator: Guard) -> Iterator[list[Observer]]:
     """Remember over a crash that the array is away from a zero that is declared; who watches for that is given."""
-    declared = getattr(checked_options(parts.parameters.config), "zero", "") == "declared"
-    if parts.state is None or not (parts.live and declared):
+    kept = parts.state if parts.live else None
+    mark = zero_mark_of(parts.parameters.config, kept, actuator) if kept is not None else None
+    if mark is None:
         yield []
         return
-    mark = ZeroMark(parts.state, actuator)
     yield [mark]
     if parts.ended():
         mark.forget()

@@ -57,6 +57,8 @@ def state_folder(config: Config) -> Path:
 def owned(folder: Path) -> Iterator[None]:
     """Keep other payloads from a state folder; the kernel gives it back when the process ends, however it ends.
 
+    One that is not there is nobody's.
+
     Raises
     ------
     ConfigError
@@ -70,6 +72,8 @@ def owned(folder: Path) -> Iterator[None]:
         except BlockingIOError as error:
             expected = f"expected a folder that no other payload uses, got {folder}"
             raise ConfigError(f"service.state_dir: {expected}: stop the other one, or name another folder") from error
+        except FileNotFoundError:
+            pass
         except OSError as error:  # not every file system has locks
             log.warning("%s: %s; another payload in the same folder would not be noticed", folder, error.strerror)
         yield

@@ -2,6 +2,10 @@
 
 import json
 import math
+import socket
+import threading
+import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -9,6 +13,8 @@ import soundfile
 
 from command_line import called
 from ross_payload.config import load
+from ross_payload.service.state_folder import owned
+from ross_protocols.audio.pcm import Header, encode_header
 from turned_array import RATE, SECONDS, around, heard_at
 
 TRUE = {"spacing": 0.064, "gain_db": 1.5, "inverted": True}
@@ -132,3 +138,38 @@ def test_a_payload_that_was_stopped_is_not_calibrated(tmp_path, monkeypatch, cap
     config.write_text(f"[audio]\nsource = 'device:0'\n[service]\nstate_dir = '{tmp_path}'\n")
     code, _, err = called(monkeypatch, capsys, "calibrate", config, "--yes")
     assert (code, err) == (1, "ross: the payload was stopped by a command: re-arm it first\n")
+
+
+def test_a_payload_that_runs_is_not_calibrated(tmp_path, monkeypatch, capsys):
+    config = tmp_path / "ross.toml"
+    config.write_text(f"[audio]\nsource = 'device:0'\n[service]\nstate_dir = '{tmp_path}'\n")
+    with owned(tmp_path):
+        code, _, err = called(monkeypatch, capsys, "calibrate", config, "--yes")
+    assert code == 2
+    assert f"expected a folder that no other payload uses, got {tmp_path}" in err
+    assert err.count("\n") == 1
+
+
+def silence(server):
+    """For one who listens, as it passes, until he has gone."""
+    with server.accept()[0] as client, suppress(OSError):
+        client.sendall(encode_header(Header(RATE, 2)))
+        while True:
+            client.sendall(bytes(6 * RATE // 100))
+            time.sleep(0.01)
+
+
+def test_a_declared_zero_is_not_believed_after_a_payload_that_died_away_from_it(tmp_path, monkeypatch, capsys):
+    (tmp_path / "away").touch()
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        config = tmp_path / "ross.toml"
+        source = f"tcp:127.0.0.1:{server.getsockname()[1]}"
+        state = f"[service]\nstate_dir = '{tmp_path}'\n"
+        config.write_text(f"[audio]\nsource = '{source}'\n[actuator]\nkind = 'tb6600'\n{state}")
+        sound = threading.Thread(target=silence, args=(server,))
+        sound.start()
+        code, _, err = called(monkeypatch, capsys, "calibrate", config, "--yes")
+        sound.join()
+    assert code == 1
+    assert "the zero of the joint is not known" in err
+    assert (tmp_path / "away").exists()

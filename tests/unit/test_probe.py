@@ -19,7 +19,9 @@ from ross_payload.doctor.commands import EXIT_CODES, probe_command
 from ross_payload.doctor.findings import Finding, Verdict, as_json, worst
 from ross_payload.doctor.probe import Results, Wishes, probe
 from ross_payload.doctor.probe_moves import Leg, figures, goals, judge
+from ross_payload.errors import ConfigError
 from ross_payload.interfaces import ActuatorState, Capabilities, Feedback, Services
+from ross_payload.service.state_folder import owned
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, Fault
 
@@ -52,6 +54,14 @@ class Workbench:
     def probe(self, **wishes: Any) -> list[Finding]:
         services = Services(self.clock, lambda url: self.wire)
         return list(probe(self.config, services, Wishes(**wishes), self.results))
+
+
+@pytest.fixture(autouse=True)
+def state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of what outlives a restart; it is not there yet."""
+    folder = tmp_path / "state"
+    monkeypatch.setenv("STATE_DIRECTORY", str(folder))
+    return folder
 
 
 def about(findings: list[Finding], check: str) -> Finding:
@@ -273,14 +283,57 @@ def test_what_is_not_known_is_null() -> None:
 
 
 @pytest.mark.parametrize("option", ["--move", "--home"])
-def test_what_a_command_has_stopped_is_not_moved(tmp_path: Path, option: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
-    (tmp_path / "stopped").touch()
+def test_what_a_command_has_stopped_is_not_moved(tmp_path: Path, option: str, state: Path) -> None:
+    state.mkdir()
+    (state / "stopped").touch()
     file = tmp_path / "bench.toml"
     file.write_text('[actuator]\nkind = "tb6600"\n')
     done = CliRunner().invoke(probe_command, [str(file), option, "--yes", "--json"], standalone_mode=False)
     assert [check["check"] for check in json.loads(done.output)["checks"]] == ["stop"]
     assert done.return_value == EXIT_CODES["fail"]
+
+
+def test_an_actuator_that_a_payload_has_is_not_even_opened(tmp_path: Path, state: Path) -> None:
+    state.mkdir()
+    file = tmp_path / "bench.toml"
+    file.write_text('[actuator]\nkind = "tb6600"\n')
+    with owned(state), pytest.raises(ConfigError, match="expected a folder that no other payload uses"):
+        CliRunner().invoke(probe_command, [str(file)], standalone_mode=False, catch_exceptions=False)
+    assert CliRunner().invoke(probe_command, [str(file)], standalone_mode=False).return_value == EXIT_CODES["warn"]
+
+
+@pytest.mark.parametrize("kind", ["tb6600", "grbl"])
+def test_a_declared_zero_is_doubted_that_a_payload_has_died_away_from(kind: str, state: Path) -> None:
+    state.mkdir()
+    (state / "away").touch()
+    on = Workbench(kind)
+    assert "--home" in about(on.probe(move=lambda: pytest.fail("asked to move it")), "zero").todo
+    assert (state / "away").exists()
+    assert about(Workbench(kind).probe(home=True), "zero").verdict is Verdict.OK
+    assert not (state / "away").exists()
+
+
+@pytest.mark.parametrize("kind", ["tb6600", "grbl"])
+def test_who_is_interrupted_away_from_a_declared_zero_leaves_a_mark(kind: str, state: Path) -> None:
+    on = Workbench(kind)
+
+    def interrupt() -> None:
+        if on.far_end.angle() > math.radians(2) and not caught:
+            caught.append(True)
+            raise KeyboardInterrupt
+
+    caught: list[bool] = []
+    on.clock.every(0.01, interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        on.probe(move=lambda: True)
+    assert (state / "away").exists()
+
+
+def test_a_device_that_never_answers_has_not_left_its_zero(state: Path) -> None:
+    on = Workbench("grbl")
+    on.far_end.afflict(Fault.SILENT)
+    assert worst(on.probe()) is Verdict.FAIL
+    assert not (state / "away").exists()
 
 
 def test_who_cannot_answer_is_not_moved(tmp_path: Path) -> None:
