@@ -10,6 +10,7 @@ from ross_payload.angles import wrap
 from ross_payload.config import Config
 from ross_payload.interfaces import ActuatorState, Capabilities, Input
 from ross_payload.localization.model_order import MAX_SOURCES
+from ross_payload.plugin_checks import MOST_SOURCES
 from ross_protocols.mavlink.values import Information
 
 
@@ -105,7 +106,7 @@ def information(config: Config, capabilities: Capabilities | None, time_usec: in
         joint_speed=speed,
         unit=config.explore.unit_s,
         rate=config.audio.rate_hz,
-        k_max=MAX_SOURCES,
+        k_max=MAX_SOURCES if config.explore.method == "joint" else MOST_SOURCES,
         software_version=__version__,
         actuator=config.actuator.kind,
     )

@@ -57,6 +57,11 @@ def test_parameters_are_listed_and_a_rate_is_set_in_flight(aloft) -> None:
     assert sky.ports[0].values(v.Status)[-1].criterion == 2.5
 
 
+def test_how_many_sources_may_be_found_depends_on_the_explorer() -> None:
+    told = {method: Config.model_validate({"explore": {"method": method}}) for method in ("joint", "markov", "mine")}
+    assert [information(config, None, 0).k_max for config in told.values()] == [6, 16, 16]
+
+
 def test_each_link_is_told_as_often_as_it_asks_for(aloft) -> None:
     with aloft(GROUND, RADIO, give=lambda order: None) as sky:
         sky.live(1.0)
