@@ -35,8 +35,16 @@ def open_regular(path: Path) -> int:
     if stat.S_ISREG(mode):
         return handle
     os.close(handle)
-    kind = next((words for is_it, words in KINDS if is_it(mode)), "something else")
-    raise OSError(errno.EINVAL, f"expected a regular file, got {kind}", str(path))
+    raise OSError(errno.EINVAL, f"expected a regular file, got {kind_of(mode)}", str(path))
+
+
+def kind_of(mode: int) -> str:
+    """Say what lies under a path that is no regular file, by its mode.
+
+    >>> kind_of(stat.S_IFIFO | 0o600)
+    'a named pipe'
+    """
+    return next((words for is_it, words in KINDS if is_it(mode)), "something else")
 
 
 def read_bounded(path: Path, most: int = MB) -> bytes:

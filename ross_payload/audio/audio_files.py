@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import stat
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 import soundfile
 
 from ross_payload.atomic_files import replacing
+from ross_payload.bounded_files import kind_of
 from ross_payload.dsp.recording_limits import HIGHEST_PEAK, HIGHEST_RATE
 from ross_payload.errors import AudioError, OutputError, reason, refused_as
 from ross_payload.interfaces import Real
@@ -29,10 +31,12 @@ def check_readable(path: Path) -> None:
         With one line that says what is wrong.
     """
     with refused_as(AudioError, f"{path}: cannot be read"):
-        if path.is_dir():
-            raise AudioError(f"{path}: expected an audio file, got a folder")
-        if not path.is_file():
-            raise AudioError(f"{path}: no such file")
+        try:
+            mode = path.stat().st_mode
+        except (FileNotFoundError, NotADirectoryError) as error:
+            raise AudioError(f"{path}: no such file") from error
+        if not stat.S_ISREG(mode):
+            raise AudioError(f"{path}: expected an audio file, got {kind_of(mode)}")
         os.close(os.open(path, os.O_RDONLY | os.O_CLOEXEC))
 
 

@@ -1,6 +1,7 @@
 import errno
 import io
 import json
+import os
 import subprocess
 import sys
 from functools import partial
@@ -231,6 +232,8 @@ def test_a_folder_is_no_audio_and_no_network(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     expected = f"ross: {tmp_path}: expected an audio file, got a folder\n"
     assert run("enroll", "anna", tmp_path) == (2, "", expected)
+    os.mkfifo(tmp_path / "pipe")
+    assert run("enroll", "anna", "pipe") == (2, "", "ross: pipe: expected an audio file, got a named pipe\n")
     assert run("voice-model", "add", ".")[2].endswith("as the name of a file, got '.'\n")
 
 
