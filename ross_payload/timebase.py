@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import math
+import threading
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol
@@ -19,7 +21,10 @@ SLACK = 0.005  # [s] that clocks may have drifted apart since an older round tri
 ORDER_S = 1.0  # by which messages may come out of order [s]
 STEP = 0.5  # [s]: a UNIX time that is off by more is set anew, a smaller difference is worked off
 EASE = 0.1  # of a smaller difference, at a time
+SLOWEST = 0.9  # of real time, at which time goes on while it is ahead of a clock that was set back
 PLAUSIBLE = 4_102_444_800.0  # UNIX time of 2100 [s]: a clock that says more is wrong
+
+log = logging.getLogger(__name__)
 
 
 class ReceivedPacket(trusted_autopilot.ReceivedPacket, Protocol):
@@ -41,7 +46,9 @@ class Component(Protocol):
 
 
 class Timebase:
-    """The time for telemetry and files: microseconds that never run backwards.
+    """The time for telemetry and files: microseconds that never run backwards, and never stand still.
+
+    After the UNIX time was set back they go on at nine tenths of real time until they agree with it again.
 
     Everything but `usec` and `unix` belongs to the pump. Requests of TIMESYNC are answered, whoever asks; every
     heartbeat of the autopilot (1 Hz) is answered with a request of our own.
@@ -73,7 +80,8 @@ class Timebase:
         self._boot = -math.inf  # its latest time since its start [s]
         self._behind = False  # the latest one was from long before
         self._epoch: float | None = None  # UNIX time at 0 of our clock [s]
-        self._last = 0
+        self._lock = threading.Lock()
+        self._told: tuple[float, float] | None = None  # by `usec` last, and when [s]
 
     @property
     def unix(self) -> bool:
@@ -82,8 +90,14 @@ class Timebase:
 
     def usec(self) -> int:
         """Return the time [us]."""
-        self._last = max(self._last, round((self._clock.now() + (self._since_1970() or 0.0)) * 1e6))
-        return self._last
+        with self._lock:
+            now = self._clock.now()
+            time = now + (self._since_1970() or 0.0)
+            if self._told is not None:
+                last, then = self._told
+                time = max(time, last + SLOWEST * (now - then))
+            self._told = time, now
+        return round(time * 1e6)
 
     def local(self, boot: float) -> float | None:
         """Return the time on our clock [s] of a time on the autopilot's; None before a round trip has told."""
@@ -139,6 +153,8 @@ class Timebase:
 
     def _set(self, epoch: float) -> None:
         if self._epoch is None or abs(epoch - self._epoch) > STEP:
+            if self._epoch is not None and epoch < self._epoch:
+                log.warning("the time of day was set back by %.1f s: time stamps slow down", self._epoch - epoch)
             self._epoch = epoch
         else:
             self._epoch += EASE * (epoch - self._epoch)

@@ -1,6 +1,7 @@
 """Which time it is, and how the autopilot's clock lies to ours."""
 
 import math
+from itertools import pairwise
 
 import pytest
 
@@ -96,6 +97,21 @@ def test_time_never_runs_backwards(bench):
         clock.sleep(0.1)
         times.append(timebase.usec())
     assert times == sorted(times)
+
+
+def test_time_goes_on_after_a_clock_was_set_back_and_agrees_with_it_in_the_end(bench):
+    clock, voice, timebase = bench
+    times, began = [], clock.now()
+    for second in range(200):
+        back = 0.0 if second < 10 else 18.0  # the leap seconds of GPS, known at last
+        voice.call(Heard(vehicle.system_time(SystemTime(boot=clock.now(), unix=UNIX + clock.now() - began - back))))
+        times.append(timebase.usec() / 1e6)
+        clock.sleep(1.0)
+    steps = [later - time for time, later in pairwise(times)]
+    assert 0.89 < min(steps) < 0.91
+    assert max(steps) < 1.01
+    assert times[9] == pytest.approx(UNIX + 9, abs=1e-3)
+    assert times[-1] == pytest.approx(UNIX + 199 - 18, abs=1e-3)
 
 
 def test_a_small_difference_is_worked_off_and_not_jumped(bench):
