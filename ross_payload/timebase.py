@@ -7,6 +7,7 @@ import math
 import threading
 from collections import deque
 from collections.abc import Callable
+from datetime import UTC, datetime
 from typing import Any, Protocol
 
 from ross_payload import trusted_autopilot
@@ -50,7 +51,7 @@ class Timebase:
 
     After the UNIX time was set back they go on at nine tenths of real time until they agree with it again.
 
-    Everything but `usec` and `unix` belongs to the pump. Requests of TIMESYNC are answered, whoever asks; every
+    Everything but `usec`, `utc` and `unix` belongs to the pump. Requests of TIMESYNC are answered, whoever asks; every
     heartbeat of the autopilot (1 Hz) is answered with a request of our own.
 
     Parameters
@@ -98,6 +99,10 @@ class Timebase:
                 time = max(time, last + SLOWEST * (now - then))
             self._told = time, now
         return round(time * 1e6)
+
+    def utc(self) -> datetime | None:
+        """Return the time of day; None while no clock can be trusted."""
+        return datetime.fromtimestamp(self.usec() / 1e6, UTC) if self.unix else None
 
     def local(self, boot: float) -> float | None:
         """Return the time on our clock [s] of a time on the autopilot's; None before a round trip has told."""

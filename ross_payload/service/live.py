@@ -8,7 +8,6 @@ import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from datetime import UTC, datetime
 
 import numpy as np
 
@@ -140,7 +139,7 @@ def _parts(
             late=watchdog.late,
             restart=again.set,
             ended=lambda: not again.is_set(),
-            stamp=lambda: datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ") if timebase.unix else "",
+            stamp=lambda: f"{now:%Y%m%dT%H%M%SZ}" if (now := timebase.utc()) is not None else "",
         )
 
 

@@ -99,7 +99,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         source = stack.enter_context(source_of(config, parts.source, parts.watched, live=parts.live))
         recorder, runner = _mission(parts, source, actuator, stopped=stopped)
         monitor = HealthMonitor(config, source if isinstance(source, SharedSource) else parts.watched)
-        keeper = stack.enter_context(VoiceKeeper(parts.voices))
+        keeper = stack.enter_context(VoiceKeeper(parts.voices, parts.timebase.utc))
         listening = listening_of(config, clock, runner, recorder, live=parts.live)
         telemetry = stack.enter_context(
             _telemetry(

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from dataclasses import replace
-from datetime import UTC, datetime
+from datetime import datetime
 from itertools import count
 from queue import SimpleQueue
 from types import TracebackType
@@ -29,10 +29,13 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
     ----------
     store
         Where voice prints are kept, readable by their owner only; None: nowhere.
+    utc
+        The time of day, for the note of consent; None while no clock can be trusted.
     """
 
-    def __init__(self, store: VoiceStore | None) -> None:
+    def __init__(self, store: VoiceStore | None, utc: Callable[[], datetime | None] = lambda: None) -> None:
         self._store = store
+        self._utc = utc
         self._names: set[str] = set()  # given here; not all of them are written yet
         self._chosen: set[str] = set()  # of these, the numbers that nobody asked for
         self._writer = ThreadPoolExecutor(max_workers=1, thread_name_prefix="voices")
@@ -64,7 +67,8 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
     def on_event(self, event: Event, hop: Input) -> None:
         """Store a voice that was enrolled, without waiting for the disk."""
         if isinstance(event, Enrolled) and self._store is not None and isinstance(event.voiceprint, EmbeddingPrint):
-            when = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+            now = self._utc()
+            when = "at a time that no clock told" if now is None else f"{now:%Y-%m-%dT%H:%M:%SZ}"
             voice = event.voiceprint.agreed(f"told by the order to enrol, {when}")
             self._names.add(event.name)
             self._writer.submit(self._keep, self._store, event.name, voice)

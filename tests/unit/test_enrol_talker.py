@@ -5,6 +5,7 @@ import json
 import os
 import stat
 from dataclasses import replace
+from datetime import UTC, datetime
 
 import numpy as np
 import pytest
@@ -178,13 +179,19 @@ def store(tmp_path):
 
 
 def test_the_print_is_kept_with_the_consent_for_its_owner_alone(store):
-    with VoiceKeeper(store) as keeper:
+    with VoiceKeeper(store, lambda: datetime(2026, 11, 21, 14, 54, 21, tzinfo=UTC)) as keeper:
         keeper.on_event(Enrolled(1.0, "ann", 2, 0.1, 5.0, model_of()), None)
     path = store.folder / "ann.json"
     assert path.stat().st_mode & 0o777 == 0o600
     assert path.parent.stat().st_mode & 0o777 == 0o700
-    assert json.loads(path.read_text())["consent"].startswith("told by the order to enrol, 2")
-    assert store.load("ann").consent.startswith("told by the order")
+    assert json.loads(path.read_text())["consent"] == "told by the order to enrol, 2026-11-21T14:54:21Z"
+    assert store.load("ann").consent == "told by the order to enrol, 2026-11-21T14:54:21Z"
+
+
+def test_no_date_is_made_up_for_a_consent(store):
+    with VoiceKeeper(store) as keeper:
+        keeper.on_event(Enrolled(1.0, "ann", 2, 0.1, 5.0, model_of()), None)
+    assert store.load("ann").consent == "told by the order to enrol, at a time that no clock told"
 
 
 def test_a_print_that_cannot_be_kept_is_told_on_the_pump(store):

@@ -1,6 +1,7 @@
 """Which time it is, and how the autopilot's clock lies to ours."""
 
 import math
+from datetime import UTC, datetime
 from itertools import pairwise
 
 import pytest
@@ -112,6 +113,14 @@ def test_time_goes_on_after_a_clock_was_set_back_and_agrees_with_it_in_the_end(b
     assert max(steps) < 1.01
     assert times[9] == pytest.approx(UNIX + 9, abs=1e-3)
     assert times[-1] == pytest.approx(UNIX + 199 - 18, abs=1e-3)
+
+
+def test_the_date_is_the_autopilots_where_only_that_has_a_clock(bench):
+    """Our computer's may say anything: it has none that runs while it is off."""
+    _, voice, timebase = bench
+    assert timebase.utc() is None
+    voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=UNIX))))
+    assert timebase.utc() == datetime(2026, 11, 18, 11, 6, 40, tzinfo=UTC)
 
 
 def test_a_small_difference_is_worked_off_and_not_jumped(bench):
