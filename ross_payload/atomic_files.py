@@ -17,6 +17,25 @@ PART = ".part"  # in the name of what is not whole yet
 NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK)  # of a file system without hard links
 
 
+def make_private(folder: Path) -> None:
+    """Make a folder, and those that are missing above it, for their owner alone, whatever the umask.
+
+    `Path.mkdir` gives its mode to the last one only: whoever may write above it can put another in its place.
+
+    Raises
+    ------
+    OSError
+        When it cannot be made; FileExistsError when something else is there.
+    """
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+    except FileNotFoundError:
+        if folder.parent == folder:
+            raise
+        make_private(folder.parent)
+        folder.mkdir(mode=0o700, exist_ok=True)
+
+
 @contextmanager
 def replacing(path: Path, mode: int = 0o666) -> Iterator[Path]:
     """Give an empty file beside ``path``; it takes the place of ``path`` in the end, unless something went wrong.
@@ -65,7 +84,7 @@ def write_whole(path: Path, data: bytes, *, new: bool = False) -> None:
     OSError
         When it cannot be written; FileExistsError when it is to be new and is there.
     """
-    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    make_private(path.parent)
     part, handle = _part_of(path, 0o600)
     try:
         with FileIO(handle, "w") as file:  # all through the one that is locked: SMB refuses any other

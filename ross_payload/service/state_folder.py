@@ -11,6 +11,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ross_payload.atomic_files import make_private
 from ross_payload.errors import ConfigError
 from ross_payload.named_paths import expanded, nearest_there
 
@@ -47,7 +48,7 @@ def state_folder(config: Config) -> Path:
     """
     folder = state_path(config)
     try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        make_private(folder)
     except OSError as error:
         raise _unmade(folder, error.errno) from error
     return folder

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ross_payload.atomic_files import json_text, replacing
+from ross_payload.atomic_files import json_text, make_private, replacing
 from ross_payload.audio.audio_files import write_wav
 from ross_payload.errors import ConfigError, OutputError, refused_as
 from ross_payload.events import Event, GroupScore, Separated, SourceEstimate, SourcesEstimated
@@ -36,7 +36,7 @@ def prepared(folder: Path) -> Iterator[None]:
     """
     with refused_as(ConfigError, f"--out {folder}: cannot be written"):
         made = not os.path.lexists(folder)
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)  # voices of people
+        make_private(folder)  # voices of people
     if (folder / "session.json").exists():
         raise ConfigError(f"--out: expected a folder for the results, got the session {folder}")
     if not os.access(folder, os.W_OK):

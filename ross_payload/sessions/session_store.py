@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ross_payload import config
-from ross_payload.atomic_files import PART
+from ross_payload.atomic_files import PART, make_private
 from ross_payload.bounded_files import open_regular, set_aside
 from ross_payload.config.listening_options import MOST_SOURCES
 from ross_payload.errors import ConfigError, near, refused_as, shown
@@ -86,7 +86,7 @@ class SessionStore:
 
     def add(self, stamp: str) -> Path:
         """Make the folder of a new session, mode 0700; ``stamp`` is the time in its name, empty when unknown."""
-        self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        make_private(self.folder)
         numbers = [int(match[1]) for path in self.folder.iterdir() if (match := NAME.fullmatch(path.name))]
         number = max(numbers, default=0)
         while True:

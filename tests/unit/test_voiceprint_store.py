@@ -3,6 +3,7 @@
 import errno
 import fcntl
 import json
+import os
 import stat
 import subprocess
 import sys
@@ -13,8 +14,11 @@ import numpy as np
 import pytest
 
 from ross_payload.bounded_files import set_aside
+from ross_payload.config import Config
 from ross_payload.errors import ConfigError
+from ross_payload.service.state_folder import state_folder
 from ross_payload.sessions.npz_memory import packed_voice, restored_voice
+from ross_payload.sessions.session_store import SessionStore
 from ross_payload.voiceprint import EmbeddingPrint, VoiceStore, built_in_model, load, save
 from ross_payload.voiceprint.embedding_print import unit
 from ross_payload.voiceprint.store import NameTaken
@@ -47,6 +51,18 @@ def test_only_the_owner_can_read_a_voice_print(model, store, tmp_path):
     assert path == tmp_path / "ross" / "voices" / "ann.json"
     assert mode(path) == 0o600
     assert mode(path.parent) == 0o700
+
+
+def test_nobody_else_can_put_another_folder_in_the_place_of_one_that_is_made(model, tmp_path):
+    before = os.umask(0)
+    try:
+        path = VoiceStore(tmp_path / "share" / "ross" / "voices").save("ann", model)
+        state = state_folder(Config.model_validate({"service": {"state_dir": str(tmp_path / "var" / "ross")}}))
+        session = SessionStore(state / "more" / "recordings").add("")
+    finally:
+        os.umask(before)
+    made = [*path.parents, *session.parents]
+    assert {mode(folder) for folder in made if folder.is_relative_to(tmp_path) and folder != tmp_path} == {0o700}
 
 
 def test_a_folder_of_the_user_keeps_its_mode(model, tmp_path):

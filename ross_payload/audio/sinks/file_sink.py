@@ -13,6 +13,7 @@ from typing import Self
 
 from pydantic import field_validator
 
+from ross_payload.atomic_files import make_private
 from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.audio.track_files import AlignedTrack, checked_suffix
 from ross_payload.config.table import Table
@@ -103,7 +104,7 @@ class FileSink:
             When it cannot be made, or there is no room for it.
         """
         with refused_as(AudioError, f"{self._told}: cannot be made"):
-            self._wanted.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            make_private(self._wanted.parent)
             _check_room(self._wanted.parent, round(ROOM_S * self._rate) * WIDTH)
             self._path, self._track = _created(self._wanted, self._rate)
         self._first, self.fault = None, ""

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ross_payload.atomic_files import make_private
 from ross_payload.audio.audio_files import WavWriter
 from ross_payload.errors import ConfigError, OutputError, refused_as
 from ross_payload.events import Event, SourcesEstimated, TurnStarted
@@ -53,7 +54,7 @@ def recorded(folder: Path | None, begin: Beginning, clock: Clock, links: Router)
         yield None
         return
     with refused_as(ConfigError, f"--record {folder}: cannot be made"):
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        make_private(folder)
     config = begin.config
     limits = config.recording.model_copy(update={"always": True})
     first = iter([begin])

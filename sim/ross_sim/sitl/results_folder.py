@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from ross_payload.atomic_files import json_text
+from ross_payload.atomic_files import json_text, make_private
 from ross_payload.errors import ConfigError, OutputError, refused_as
 
 OURS = re.compile(
@@ -35,7 +35,7 @@ class ResultsFolder(AbstractContextManager["ResultsFolder"]):
         self.path = path
         with refused_as(ConfigError, f"--out {path}: cannot be written"):
             self._made = not os.path.lexists(path)
-            path.mkdir(mode=0o700, parents=True, exist_ok=True)  # voices of people
+            make_private(path)  # voices of people
             self.staging = Path(tempfile.mkdtemp(prefix=".mission-", dir=path))
 
     def write_text(self, name: str, text: str) -> None:
