@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import click
@@ -127,8 +128,14 @@ def enroll(name: str, file: Path | None, forget: bool, model: str) -> None:
 
 def main() -> None:
     """Run the command line; a user's mistake gets one line and exit code 2."""
+    signals: list[int] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        signals.append(number)
+        raise KeyboardInterrupt
+
     for number in end_signals():  # the same clean end as Ctrl-C, also while setting up
-        signal.signal(number, signal.default_int_handler)
+        signal.signal(number, interrupt)
     _occupy_closed_streams()
     try:
         code = ross.main(standalone_mode=False)
@@ -155,6 +162,11 @@ def main() -> None:
     except OSError as error:
         _complain(_unusable(error))
         code = 1 if error.filename is None else 2
+    except Exception:
+        if not signals:
+            raise
+        click.echo("ross: interrupted", err=True)  # pydantic and others raise their own instead of a KeyboardInterrupt
+        code = 130
     sys.exit(code if isinstance(code, int) else 0)
 
 

@@ -2,6 +2,7 @@ import errno
 import io
 import json
 import os
+import signal
 import subprocess
 import sys
 from functools import partial
@@ -235,6 +236,20 @@ def test_a_folder_is_no_audio_and_no_network(run, tmp_path, monkeypatch):
     os.mkfifo(tmp_path / "pipe")
     assert run("enroll", "anna", "pipe") == (2, "", "ross: pipe: expected an audio file, got a named pipe\n")
     assert run("voice-model", "add", ".")[2].endswith("as the name of a file, got '.'\n")
+
+
+def test_an_interruption_stays_one_whatever_a_library_makes_of_it(run, monkeypatch):
+    """pydantic raises its own error where a signal comes while it makes a model."""
+
+    @click.command("make")
+    def make():
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except KeyboardInterrupt as error:
+            raise ValueError("Error building a validator") from error
+
+    monkeypatch.setitem(cli.ross.commands, "make", make)
+    assert run("make") == (130, "", "ross: interrupted\n")
 
 
 @pytest.mark.parametrize(
