@@ -7,14 +7,13 @@ import os
 import signal
 import sys
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import click
 
 from ross_payload import __version__, plugins
 from ross_payload.bounded_files import printable
-from ross_payload.end_signals import end_signals
+from ross_payload.end_signals import Interrupter, end_signals
 from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError, near, reason
 
 COMMANDS = "ross_payload.commands"
@@ -128,14 +127,9 @@ def enroll(name: str, file: Path | None, forget: bool, model: str) -> None:
 
 def main() -> None:
     """Run the command line; a user's mistake gets one line and exit code 2."""
-    signals: list[int] = []
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        signals.append(number)
-        raise KeyboardInterrupt
-
+    interrupter = Interrupter()
     for number in end_signals():  # the same clean end as Ctrl-C, also while setting up
-        signal.signal(number, interrupt)
+        signal.signal(number, interrupter)
     _occupy_closed_streams()
     try:
         code = ross.main(standalone_mode=False)
@@ -163,7 +157,7 @@ def main() -> None:
         _complain(_unusable(error))
         code = 1 if error.filename is None else 2
     except Exception:
-        if not signals:
+        if interrupter.caught is None:
             raise
         click.echo("ross: interrupted", err=True)  # pydantic and others raise their own instead of a KeyboardInterrupt
         code = 130

@@ -3,9 +3,32 @@
 from __future__ import annotations
 
 import signal
+from types import FrameType
 
 
 def end_signals() -> tuple[signal.Signals, ...]:
     """Return Ctrl-C, SIGTERM and, unless it is ignored as under nohup, SIGHUP: the terminal has gone."""
     hang_up = () if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN else (signal.SIGHUP,)
     return signal.SIGINT, signal.SIGTERM, *hang_up
+
+
+class Interrupter:
+    """A handler that raises a KeyboardInterrupt, and remembers the signal.
+
+    An exception out of a handler may come to nothing: Python ignores it where it runs a weak reference's callback, as
+    while something is imported, and libraries make others of it.
+    """
+
+    def __init__(self) -> None:
+        self.caught: signal.Signals | None = None
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        """Interrupt."""
+        self.caught = signal.Signals(number)
+        raise KeyboardInterrupt
+
+
+def caught_signal() -> signal.Signals | None:
+    """Return the signal to end that came while an `Interrupter` was to handle it; None: there was none."""
+    handlers = [signal.getsignal(number) for number in end_signals()]
+    return next((each.caught for each in handlers if isinstance(each, Interrupter)), None)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from types import FrameType
 from typing import TypeVar
 
-from ross_payload.end_signals import end_signals
+from ross_payload.end_signals import caught_signal, end_signals
 from ross_payload.events import Event, StateChanged
 from ross_payload.interfaces import Cancel, Clock, Input
 
@@ -135,13 +135,19 @@ def _line(text: str) -> str:
 
 @contextmanager
 def on_signal(call: Callable[[str], object]) -> Iterator[None]:
-    """Call ``call`` with the name of every signal to end; afterwards they mean what they meant before."""
+    """Call ``call`` with the name of every signal to end; afterwards they mean what they meant before.
+
+    One that has come before, and has interrupted nobody, counts.
+    """
+    missed = caught_signal()
 
     def handle(number: int, frame: FrameType | None) -> None:
         call(signal.Signals(number).name)
 
     before = {number: signal.signal(number, handle) for number in end_signals()}
     try:
+        if missed is not None:
+            call(missed.name)
         yield
     finally:
         for number, handler in before.items():

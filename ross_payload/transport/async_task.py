@@ -12,7 +12,7 @@ from concurrent.futures import Future
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, TypeVar
 
-from ross_payload.end_signals import end_signals
+from ross_payload.end_signals import caught_signal, end_signals
 
 if TYPE_CHECKING:
     import asyncio
@@ -38,9 +38,11 @@ def set_by_signal() -> asyncio.Event:
     """Return an event of the running loop that every signal to end sets."""
     import asyncio  # noqa: PLC0415 - a payload has no event loop
 
-    event = asyncio.Event()
+    event, missed = asyncio.Event(), caught_signal() is not None
     for number in end_signals():
         asyncio.get_running_loop().add_signal_handler(number, event.set)
+    if missed:
+        event.set()
     return event
 
 

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from functools import partial
 
 import click
@@ -16,6 +17,7 @@ from command_line import called
 from nobody import nobody
 from ross_payload import cli
 from ross_payload.audio.audio_files import BLOCK, read_mono
+from ross_payload.notify import on_signal
 from ross_payload.voiceprint import speaker_model
 from speaker_network import vowel
 
@@ -238,7 +240,16 @@ def test_a_folder_is_no_audio_and_no_network(run, tmp_path, monkeypatch):
     assert run("voice-model", "add", ".")[2].endswith("as the name of a file, got '.'\n")
 
 
-def test_an_interruption_stays_one_whatever_a_library_makes_of_it(run, monkeypatch):
+@pytest.fixture
+def own_handlers():
+    """What handles a signal to end stays what it was."""
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def test_an_interruption_stays_one_whatever_a_library_makes_of_it(run, monkeypatch, own_handlers):
     """pydantic raises its own error where a signal comes while it makes a model."""
 
     @click.command("make")
@@ -250,6 +261,22 @@ def test_an_interruption_stays_one_whatever_a_library_makes_of_it(run, monkeypat
 
     monkeypatch.setitem(cli.ross.commands, "make", make)
     assert run("make") == (130, "", "ross: interrupted\n")
+
+
+def test_a_signal_that_interrupted_nobody_is_heard_by_who_listens_for_signals(run, monkeypatch, own_handlers):
+    """As one that comes while a weak reference's callback runs: Python ignores what that raises."""
+    heard = []
+
+    @click.command("start")
+    def start():
+        with suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        with on_signal(heard.append):
+            heard.append("runs")
+
+    monkeypatch.setitem(cli.ross.commands, "start", start)
+    assert run("start")[0] == 0
+    assert heard == ["SIGTERM", "runs"]
 
 
 @pytest.mark.parametrize(
