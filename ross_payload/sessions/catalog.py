@@ -26,7 +26,7 @@ class Catalog:
 
     def recordings(self) -> Sequence[Recording]:
         """Return all of them, the oldest first."""
-        return [described(kept) for kept in self._store.all()]
+        return [described(kept) for kept in self._store.with_damaged()]
 
     def files(self, name: str) -> Mapping[str, Path]:
         """Return the files of one by their names.

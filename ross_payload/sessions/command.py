@@ -38,7 +38,7 @@ def command(context: click.Context, folder: Path | None, as_json: bool) -> None:
     context.obj = store
     if context.invoked_subcommand is not None:
         return
-    rows = [described(kept) for kept in store.all()]
+    rows = [described(kept) for kept in store.with_damaged()]
     if as_json:
         keys = "name", "seconds", "bytes", "state"
         click.echo(json.dumps([{key: getattr(row, key) for key in keys} for row in rows]))

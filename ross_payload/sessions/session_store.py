@@ -26,6 +26,7 @@ FILES = (
     "config.json", "session.json",
     "target.flac", *(f"source-{number}.flac" for number in range(MOST_SOURCES)),
 )  # fmt: skip
+ASIDE = "unreadable"  # in the name of a session.json that was set aside
 LOCKED = "inputs.jsonl"  # its writer holds a lock on it, which the kernel takes back when the process dies
 GB = 1e9  # [bytes]
 DAY = 86_400.0  # [s]
@@ -51,21 +52,25 @@ class SessionStore:
 
     def all(self) -> tuple[StoredSession, ...]:
         """Return all sessions, the oldest first."""
+        return tuple(kept for kept in self.with_damaged() if is_session(kept.path))
+
+    def with_damaged(self) -> tuple[StoredSession, ...]:
+        """Return all sessions, and what is left of those whose session.json is lost, the oldest first."""
         found = [kept for path in self._paths() if (kept := _kept(path)) is not None]
         return tuple(sorted(found, key=lambda kept: kept.number))
 
     def find(self, name: str) -> StoredSession:
-        """Return the session of a name.
+        """Return the session of a name, or what is left of it.
 
         Raises
         ------
         ConfigError
             When there is none.
         """
-        for kept in self.all():
-            if kept.path.name == name:
-                return kept
-        names = [kept.path.name for kept in self.all()]
+        kept = {each.path.name: each for each in self.with_damaged()}
+        if name in kept:
+            return kept[name]
+        names = list(kept)
         raise ConfigError(f"{self.folder}: no session {shown(name)}; see: ross sessions{near(name, names)}")
 
     def set_damaged_aside(self) -> tuple[str, ...]:
@@ -75,7 +80,7 @@ class SessionStore:
         """
         sessions = [path for path in self._paths() if NAME.fullmatch(path.name) and not path.is_symlink()]
         found = [(path / MANIFEST, why) for path in sessions if (why := manifest.damage(path))]
-        return tuple(f"{path}: {why}; {set_aside(path, 'unreadable')}" for path, why in found)
+        return tuple(f"{path}: {why}; {set_aside(path, ASIDE)}" for path, why in found)
 
     def _paths(self) -> list[Path]:
         """Return what lies in the folder; nothing of one that is none or cannot be read."""
@@ -113,7 +118,8 @@ class SessionStore:
 
     def discard(self, path: Path) -> None:
         """Remove our files from a folder, and the folder when nothing else is in it; may raise OSError."""
-        for file in [*path.glob(f".*{PART}*"), *(path / name for name in FILES)]:
+        aside = path.glob(f"{MANIFEST}.{ASIDE}*")
+        for file in [*path.glob(f".*{PART}*"), *(path / name for name in FILES), *aside]:
             file.unlink(missing_ok=True)
         if not any(path.iterdir()):
             path.rmdir()
@@ -167,13 +173,18 @@ def _is_folder(path: Path) -> bool:
 
 def _kept(path: Path) -> StoredSession | None:
     match = NAME.fullmatch(path.name)
-    if match is None or not is_session(path):
+    if match is None or path.is_symlink() or not (is_session(path) or _is_lost(path)):
         return None
     files = [status for name in FILES if (status := _status(path / name)) is not None]
     if not files:  # somebody deletes it this moment
         return None
     newest = max(file.st_mtime for file in files)
     return StoredSession(path, int(match[1]), sum(file.st_size for file in files), newest, _locked(path / LOCKED))
+
+
+def _is_lost(path: Path) -> bool:
+    """Whether a folder has no session.json that anybody could read: its session may be without one."""
+    return not os.path.lexists(path / MANIFEST) or bool(manifest.damage(path))
 
 
 def _status(path: Path) -> os.stat_result | None:

@@ -120,3 +120,19 @@ def test_a_note_that_somebody_has_put_into_a_session_stays(store):
 def test_a_session_that_does_not_exist_cannot_be_deleted(store):
     with pytest.raises(ConfigError, match="no session '0003'"):
         store.find("0003")
+
+
+@pytest.mark.parametrize("how", ["damaged", "set aside", "gone"])
+def test_what_is_left_of_a_session_is_listed_and_deleted_but_by_nobody_else(store, how):
+    folder = fill(store, age=40)
+    if how == "gone":
+        (folder / "session.json").unlink()
+    else:
+        (folder / "session.json").write_text("{")
+    if how == "set aside":
+        assert len(store.set_damaged_aside()) == 1
+    assert [each.path for each in store.with_damaged()] == [folder]
+    store.tidy(limits(max_days=30))
+    assert folder.exists()
+    store.delete(store.find(folder.name))
+    assert not folder.exists()
