@@ -33,6 +33,20 @@ def expanded(named: str) -> Path:
         raise ConfigError(f"expected a path, got {named!r}: no such user") from error
 
 
+def home_folder(otherwise: str) -> Path:
+    """Return the home folder of this user; ``otherwise`` is the variable that could be set in its place.
+
+    Raises
+    ------
+    ConfigError
+        When there is none: without HOME, of a user whom the system does not know, as in a container.
+    """
+    try:
+        return Path.home()
+    except RuntimeError as error:
+        raise ConfigError(f"this user has no home folder: set HOME, or {otherwise}") from error
+
+
 def nearest_there(folder: Path) -> Path:
     """Return a folder, or the nearest of those above it that is there: where it would have to be made.
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from ross_payload.atomic_files import make_private
 from ross_payload.errors import ConfigError
-from ross_payload.named_paths import expanded, nearest_there
+from ross_payload.named_paths import expanded, home_folder, nearest_there
 
 if TYPE_CHECKING:  # `ross health` does without it
     from ross_payload.config import Config
@@ -24,7 +24,9 @@ log = logging.getLogger(__name__)
 def named_folder(named: str, environment: Mapping[str, str] = os.environ) -> Path:
     """Return the folder of what outlives a restart by its name in a configuration; "" leaves it to the environment."""
     named = named or environment.get("STATE_DIRECTORY", "").partition(":")[0]
-    return _expanded("service.state_dir", named) if named else Path.home() / ".local" / "state" / "ross"
+    if named:
+        return _expanded("service.state_dir", named)
+    return home_folder("service.state_dir or STATE_DIRECTORY") / ".local" / "state" / "ross"
 
 
 def state_path(config: Config, environment: Mapping[str, str] = os.environ) -> Path:

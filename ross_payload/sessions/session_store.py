@@ -17,6 +17,7 @@ from ross_payload.atomic_files import PART, make_private
 from ross_payload.bounded_files import open_regular, set_aside
 from ross_payload.config.listening_options import MOST_SOURCES
 from ross_payload.errors import ConfigError, near, refused_as, shown
+from ross_payload.named_paths import home_folder
 from ross_payload.sessions import manifest
 from ross_payload.sessions.manifest import MANIFEST, is_session
 
@@ -160,7 +161,7 @@ class SessionStore:
 def home(environment: Mapping[str, str] = os.environ) -> Path:
     """Return where sessions lie when no configuration says otherwise."""
     state = environment.get("STATE_DIRECTORY", "").partition(":")[0]
-    return (Path(state) if state else Path.home() / ".local" / "state" / "ross") / "recordings"
+    return (Path(state) if state else home_folder("STATE_DIRECTORY") / ".local" / "state" / "ross") / "recordings"
 
 
 def _is_folder(path: Path) -> bool:

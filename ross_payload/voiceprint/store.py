@@ -15,6 +15,7 @@ import numpy as np
 from ross_payload.atomic_files import PART, remove_leftovers, write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
 from ross_payload.errors import ConfigError, near, refused_as, shown
+from ross_payload.named_paths import home_folder
 from ross_payload.voiceprint.built_in import built_in_model
 from ross_payload.voiceprint.embedding_print import EmbeddingPrint, restored_print
 from ross_payload.voiceprint.speaker_model import VoiceModel
@@ -28,7 +29,7 @@ LARGEST = 8 * MB
 def data_folder(environment: Mapping[str, str] = os.environ) -> Path:
     """Return what this user keeps: ``ross`` in ``$XDG_DATA_HOME`` (XDG Base Directory Specification) or its default."""
     home = environment.get("XDG_DATA_HOME", "")
-    return (Path(home) if Path(home).is_absolute() else Path.home() / ".local" / "share") / "ross"
+    return (Path(home) if Path(home).is_absolute() else home_folder("XDG_DATA_HOME") / ".local" / "share") / "ross"
 
 
 def names_in(folder: Path, suffix: str) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ross_payload.atomic_files import replacing
 from ross_payload.errors import ConfigError
+from ross_payload.named_paths import home_folder
 
 Array = NDArray[Any]
 
@@ -29,7 +30,7 @@ def cache_folder(folder: Path | None = None) -> Path:
     own = os.environ.get("ROSS_CACHE")
     if own:
         return Path(own)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ross"
+    return Path(os.environ.get("XDG_CACHE_HOME") or home_folder("XDG_CACHE_HOME") / ".cache") / "ross"
 
 
 def fingerprint(**values: Any) -> str:

@@ -240,6 +240,17 @@ def test_a_folder_is_no_audio_and_no_network(run, tmp_path, monkeypatch):
     assert run("voice-model", "add", ".")[2].endswith("as the name of a file, got '.'\n")
 
 
+def test_a_user_without_a_home_is_told_what_to_set(run, monkeypatch):
+    """As in a container that runs as a number."""
+    for name in ("HOME", "XDG_DATA_HOME", "STATE_DIRECTORY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr("pwd.getpwuid", {}.__getitem__)
+    what = "ross: this user has no home folder: set HOME, or "
+    assert run("enroll", "anna", "--forget") == (2, "", f"{what}XDG_DATA_HOME\n")
+    assert run("sessions") == (2, "", f"{what}STATE_DIRECTORY\n")
+    assert run("health") == (2, "", f"{what}service.state_dir or STATE_DIRECTORY\n")
+
+
 @pytest.fixture
 def own_handlers():
     """What handles a signal to end stays what it was."""
