@@ -42,8 +42,8 @@ class Machine:
     bits: int = 8 * struct.calcsize("P")
 
     def path(self, where: str | Path) -> Path:
-        """Return where a file of this computer is."""
-        return self.root / str(where).lstrip("/")
+        """Return where a file of this computer is; a relative path is one in the folder in which we are."""
+        return self.root / str(Path(where).absolute()).lstrip("/")
 
     def text(self, where: str) -> str:
         """Return the content of a small file; empty when it cannot be read."""

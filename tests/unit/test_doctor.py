@@ -7,7 +7,7 @@ import soundfile
 from doctor_bench import FAST, config, machine, put, said
 from examples import in_soak
 from ross_payload.clock import SystemClock
-from ross_payload.doctor import computer_checks, examination, speed
+from ross_payload.doctor import computer_checks, examination, speed, wire_checks
 from ross_payload.doctor.findings import Verdict, ok, warn, worst
 from ross_payload.doctor.machine import Machine
 from ross_payload.health import AudioTrouble
@@ -133,6 +133,19 @@ def test_the_state_folder_of_the_service_is_the_one_checked(tmp_path):
     (tmp_path / "var/lib/ross").mkdir(parents=True)
     service = Machine(root=tmp_path, environment={"STATE_DIRECTORY": "/var/lib/ross"}, run=lambda words: None)
     assert said(computer_checks.state(config(), service)) == (Verdict.OK, "/var/lib/ross can be written -> ")
+
+
+def test_relative_paths_are_those_of_the_folder_in_which_we_are(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "state").write_text("in the way")
+    (tmp_path / "key").write_bytes(bytes(32))
+    (tmp_path / "key").chmod(0o600)
+    here = Machine()
+    link = {"url": "udpout:127.0.0.1:9", "key_file": "key"}
+    assert said(wire_checks.links(config(links=[link]), here))[0] is Verdict.OK
+    folder = {"folder": "state/recordings"}
+    found = said(computer_checks.recordings(config(recording=folder), here))
+    assert found[1].startswith("recording.folder: state/recordings cannot be made: Not a directory")
 
 
 def test_a_state_folder_of_others_is_a_failure_a_recording_folder_only_where_it_is_needed(tmp_path):
