@@ -33,7 +33,7 @@ from ross_payload.service.runner import Runner
 from ross_payload.service.state_folder import owned, recording_path, state_folder
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.sessions.recorder import in_background
-from ross_payload.sessions.session_store import SessionStore
+from ross_payload.sessions.session_store import STAMP, SessionStore
 from ross_payload.telemetry.computer import ComputerReader
 from ross_payload.timebase import Timebase
 from ross_payload.voiceprint import VoiceStore
@@ -139,7 +139,7 @@ def _parts(
             late=watchdog.late,
             restart=again.set,
             ended=lambda: not again.is_set(),
-            stamp=lambda: f"{now:%Y%m%dT%H%M%SZ}" if (now := timebase.utc()) is not None else "",
+            stamp=lambda: f"{now:{STAMP}}" if (now := timebase.utc()) is not None else "",
         )
 
 

@@ -173,7 +173,7 @@ class Recorder:
     def __enter__(self) -> Self:
         """Delete what is too old."""
         try:
-            self._store.tidy(self._limits)
+            self._store.tidy(self._limits, stamp=self._stamp())
         except (OSError, RossError) as error:
             self._status = RecordingStatus(RecordingState.BROKEN, reason=_why(error))
         return self
@@ -224,7 +224,7 @@ class Recorder:
             self._end(recording, "the audio file is full")
         elif writer.seconds - recording.tidied >= TIDY:
             recording.tidied = writer.seconds
-            why = self._store.tidy(self._limits, writer.folder)
+            why = self._store.tidy(self._limits, writer.folder, self._stamp())
             self._status = replace(self._status, seconds=writer.seconds, free_gb=self._store.free() / GB)
             if why:
                 self._fail(recording, RecordingState.FULL, why)

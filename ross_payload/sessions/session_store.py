@@ -10,11 +10,12 @@ import stat
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 from ross_payload import config
-from ross_payload.atomic_files import PART, make_private
-from ross_payload.bounded_files import open_regular, set_aside
+from ross_payload.atomic_files import PART, make_private, write_whole
+from ross_payload.bounded_files import open_regular, read_bounded, set_aside
 from ross_payload.config.listening_options import MOST_SOURCES
 from ross_payload.errors import ConfigError, near, refused_as, shown
 from ross_payload.named_paths import home_folder
@@ -24,9 +25,11 @@ from ross_payload.sessions.manifest import MANIFEST, is_session
 NAME = re.compile(r"(\d{4,})(-\d{8}T\d{6}Z)?")
 FILES = (
     "audio.wav", "inputs.jsonl", "events.jsonl", "scores.jsonl", "telemetry.tlog", "memory.npz", "voice.npz",
-    "config.json", "session.json",
+    "config.json", "session.json", "dated",
     "target.flac", *(f"source-{number}.flac" for number in range(MOST_SOURCES)),
 )  # fmt: skip
+DATED = "dated"  # when a clock that is trusted was there first, in a session that began without one
+STAMP = "%Y%m%dT%H%M%SZ"  # of times in names and in `DATED`, UTC
 ASIDE = "unreadable"  # in the name of a session.json that was set aside
 LOCKED = "inputs.jsonl"  # its writer holds a lock on it, which the kernel takes back when the process dies
 GB = 1e9  # [bytes]
@@ -125,8 +128,20 @@ class SessionStore:
         if not any(path.iterdir()):
             path.rmdir()
 
-    def tidy(self, limits: config.Recording, running: Path | None = None) -> str:
+    def tidy(self, limits: config.Recording, running: Path | None = None, stamp: str = "") -> str:
         """Delete what is too old or too much, the oldest first; return why ``running`` must stop, or ''.
+
+        By a clock that is trusted the age of a session counts from the time in its name; the days of one that began
+        without such a clock begin now. Else that of its files counts: both are told by the same clock.
+
+        Parameters
+        ----------
+        limits
+            Of the storage.
+        running
+            The session that is being recorded.
+        stamp
+            The time, as `add` has it; empty when no clock can be trusted.
 
         Raises
         ------
@@ -138,8 +153,13 @@ class SessionStore:
         with refused_as(ConfigError, f"recording.folder: {self.folder} cannot be read"):
             if not _is_folder(self.folder):
                 return ""
-        now, kept = _now(self.folder), list(self.all())
-        for session in [one for one in kept if not one.running and _expired(one, now, limits.max_days)]:
+        now, kept = _time(stamp), list(self.all())
+        if now is None:
+            now = _now(self.folder)
+            old = [one for one in kept if one.modified > SET and now - one.modified > limits.max_days * DAY]
+        else:
+            old = [one for one in kept if not one.running and now - _begun(one, stamp) > limits.max_days * DAY]
+        for session in [one for one in old if not one.running]:
             kept.remove(session)
             self.delete(session)
         while sum(one.bytes for one in kept) > limits.max_gb * GB:
@@ -210,8 +230,31 @@ def _locked(path: Path) -> bool:
         os.close(handle)
 
 
-def _expired(session: StoredSession, now: float, days: float) -> bool:
-    return session.modified > SET and now - session.modified > days * DAY
+def _begun(session: StoredSession, stamp: str) -> float:
+    """When a session began [s] since 1970; one of which that is not known is dated now, by ``stamp``."""
+    named = NAME.fullmatch(session.path.name)
+    begun = _time(named[2][1:]) if named and named[2] else None
+    if begun is None:
+        try:
+            begun = _time(read_bounded(session.path / DATED).decode())
+        except (OSError, ValueError):  # not there, or spoilt
+            begun = None
+    if begun is None:
+        write_whole(session.path / DATED, stamp.encode())
+        begun = _time(stamp)
+    return begun or 0.0
+
+
+def _time(stamp: str) -> float | None:
+    """The time [s] since 1970 of a stamp; None when it is none.
+
+    >>> _time("19700102T000000Z"), _time("")
+    (86400.0, None)
+    """
+    try:
+        return datetime.strptime(stamp, STAMP).replace(tzinfo=UTC).timestamp()
+    except ValueError:
+        return None
 
 
 def _now(folder: Path) -> float:

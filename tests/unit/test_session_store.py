@@ -73,6 +73,31 @@ def test_a_session_from_a_clock_that_was_not_set_is_not_too_old(store):
     assert names(store) == ["0001"]
 
 
+def test_a_session_of_a_clock_that_was_behind_has_its_days_from_when_that_is_known(store):
+    """As on a computer without a clock of its own: recorded offline, it looks weeks old once the time is known."""
+    path = fill(store, age=40)
+    store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+    assert (path / "dated").read_text() == "20261129T120000Z"
+    store.tidy(limits(max_days=30), stamp="20261229T110000Z")
+    assert names(store) == ["0001"]
+    (path / "dated").write_text("spoilt")
+    store.tidy(limits(max_days=30), stamp="20261229T130000Z")
+    assert names(store) == ["0001"]
+    store.tidy(limits(max_days=30), stamp="20270128T140000Z")
+    assert not path.exists()
+
+
+def test_by_a_trusted_clock_the_time_in_a_name_counts_whatever_files_say(store):
+    paths = [store.add(stamp) for stamp in ("20261029T120000Z", "20261031T120000Z", "20269999T000000Z")]
+    for path in paths:
+        SessionWriter(path, BEGINNING, "").finish("done")
+        for file in path.iterdir():
+            os.utime(file, (1.7e9,) * 2)
+    store.tidy(limits(max_days=30), stamp="20261129T120001Z")
+    assert names(store) == [path.name for path in paths[1:]]
+    assert [(path / "dated").exists() for path in paths[1:]] == [False, True]
+
+
 def test_the_running_session_is_never_deleted(store):
     path = store.add("")
     writer = SessionWriter(path, BEGINNING, "")
@@ -84,6 +109,7 @@ def test_the_running_session_is_never_deleted(store):
         for file in path.iterdir():
             os.utime(file, (1.6e9, 1.6e9))
         store.tidy(limits(max_days=1))
+        store.tidy(limits(max_days=1), stamp="21001129T120001Z")
         with pytest.raises(ConfigError, match="being recorded"):
             store.delete(store.find("0001"))
     finally:
