@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     "awaited",
     type=click.Path(path_type=Path),
     metavar="CONFIG",
-    help="Wait up to a minute until the microphones of a configuration can be opened.",
+    help="Wait until the microphones of a configuration can be opened.",
 )
 def command(*, as_json: bool, config: Path | None, awaited: Path | None) -> None:
     """List the devices that can record, and the preset ([audio] preset) that fits the name of each.

@@ -65,7 +65,6 @@ class TapFinder:
 
 
 TAP_TIMEOUT_S = 20.0  # for each tap
-BOOT = 60.0  # [s] that a sound card may take to appear
 RETRY = 1.0  # [s]
 
 
@@ -87,21 +86,24 @@ def tap(config: Config) -> None:
 
 
 def wait(config: Config, clock: Clock) -> None:
-    """Wait until the source of a configuration can be opened: at boot a sound card may come late.
+    """Wait until the source of a configuration can be opened: at boot a sound card may come late, or be plugged in.
+
+    Says what it waits for, and again when that changes.
 
     Raises
     ------
-    AudioError
-        When it still cannot after `BOOT` seconds; why.
+    ConfigError
+        At once, when the configuration is wrong: that does not pass.
     """
-    end = clock.now() + BOOT
+    told = ""
     while True:
         try:
             with open_source(config, clock):
                 return
-        except AudioError:
-            if clock.now() >= end:
-                raise
+        except AudioError as error:
+            if str(error) != told:
+                told = str(error)
+                click.echo(f"waiting for the microphones: {told}", err=True)
         clock.sleep(RETRY)
 
 
