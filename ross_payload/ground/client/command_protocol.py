@@ -64,8 +64,14 @@ class _OpenCommand:
     trusted: float  # [s]: a final answer before may be a late one to its like
     sent: int = 0  # frames
     answered: float | None = None  # the latest time [s]
+    doubted: int = 0  # frames that were sent when the first answer came that may be one to an older order of its kind
     cancelling: int = 0  # COMMAND_CANCEL, so often
     over: bool = False  # given up, until something is heard after all
+
+    @property
+    def sure(self) -> bool:
+        """Whether an answer that it goes on is one to it: it was asked for after the first that may be to another."""
+        return 0 < self.doubted < self.sent
 
 
 @dataclass(slots=True)
@@ -217,7 +223,8 @@ class CommandProtocol:
 
     def _is_overtaken(self, one: _OpenCommand) -> bool:
         """Whether a later one of its kind may have replaced it: said again, it would be done in the place of that."""
-        return any(other.number > one.number and other.order.number == one.order.number for other in self._of(one.who))
+        alike = (other for other in self._of(one.who) if other.order.number == one.order.number)
+        return one.order.task and any(other.number > one.number for other in alike)
 
     def _is_sought(self, one: _OpenCommand) -> bool:
         """Whether it is a stop for somebody who was never heard, but may be any moment: we may have just started."""
@@ -248,12 +255,16 @@ class CommandProtocol:
             return
         *older, newest = alike
         going_on = [one for one in older if one.answered is not None]
+        heard = newest.sure if newest.order.task else newest.answered is not None
         if ack.result is Result.IN_PROGRESS:
+            if going_on and newest.over and not heard:
+                newest = going_on.pop()  # the latest that the payload is known to have heard
             self._goes_on(newest, ack.progress, going_on)
-        elif ENDS[ack.result][0] == REFUSED or newest.answered is not None or not going_on:
+        elif ENDS[ack.result][0] == REFUSED or heard or not going_on:
             self._is_over(newest, older, ack.result)
         else:
             self._is_over(going_on[-1], [], ack.result)
+            newest.trusted = self._trusted(self._peer(who), newest.order)  # the end may come doubled
 
     def _goes_on(self, one: _OpenCommand, progress: float | None, older: list[_OpenCommand]) -> None:
         """Take an order for begun; beside an older one of its kind it is asked once more: the answer may be to that.
@@ -262,12 +273,13 @@ class CommandProtocol:
         """
         first, given_up, one.over = one.answered is None, one.over, False
         one.answered = self._now
-        sure = not older or one.sent > 1
+        sure = not older or one.sure
+        one.doubted = one.doubted or one.sent
         if given_up or (sure and not one.cancelling):
             one.due = self._now + PROGRESS_TIMEOUT_S
         for other in older:
             other.answered = self._now  # it may be to that
-            if sure:
+            if sure and one.order.task:
                 self._end(other, CANCELLED, REPLACED)
         state = ACKNOWLEDGED if first and progress is None else IN_PROGRESS
         self._change(one, state, "", progress=progress)

@@ -232,6 +232,58 @@ def test_an_order_is_asked_for_again_when_the_later_one_of_its_kind_was_refused(
     assert script.states() == ["done", "refused"]
 
 
+@pytest.mark.parametrize("end", [None, Result.ACCEPTED, Result.CANCELLED])
+def test_what_the_payload_says_of_the_first_after_a_silence_is_not_believed_of_the_second(script, end):
+    """The link was away while the second was sent, and sent again: an answer after that may be to the first."""
+    script.orders.order(WHO, Listen(source=0))
+    script.ack(LISTEN, Result.IN_PROGRESS)
+    script.orders.order(WHO, Listen(source=1))
+    script.wait(2.3)
+    script.ack(LISTEN, Result.IN_PROGRESS)
+    if end is not None:
+        script.ack(LISTEN, end)
+        script.ack(LISTEN, end)  # doubled on its way
+    assert script.states()[1] == "acknowledged"
+    assert script.orders.doing[0].reason != "replaced by another command"
+    said = len(script.heard)
+    script.wait(1.0)
+    assert [message.param2 for _, message in script.heard[said:]][:1] == [1]
+    script.ack(LISTEN, Result.IN_PROGRESS)
+    assert script.states()[1] == "in_progress"
+
+
+def test_what_was_given_up_is_not_revived_by_what_the_payload_says_of_the_first(script):
+    """It would be said again in the place of what was ordered after it."""
+    for order in (Listen(source=0), Listen(source=1), Park()):
+        script.orders.order(WHO, order)
+        script.ack(order.number, Result.IN_PROGRESS) if order != Listen(source=1) else None
+    for _ in range(8):
+        script.ack(LISTEN, Result.IN_PROGRESS)
+        script.wait(0.5)
+    script.wait(3.0)
+    assert sum(message.command == LISTEN for _, message in script.heard) == 2
+    assert script.orders.doing[1].reason == "another command was sent before it was answered"
+
+
+def test_a_second_stop_does_not_cancel_the_first_while_the_disk_is_slow(script):
+    for _ in range(2):
+        script.orders.order(WHO, Stop())
+        script.ack(STOP, Result.IN_PROGRESS)
+        script.wait(0.5)
+    script.ack(STOP, Result.IN_PROGRESS)
+    assert script.states() == ["acknowledged", "in_progress"]
+    script.ack(STOP, Result.ACCEPTED)
+    assert script.states() == ["done", "done"]
+
+
+def test_a_stop_in_progress_that_falls_silent_is_said_again_whatever_came_after_it(script):
+    script.orders.order(WHO, Stop())
+    script.ack(STOP, Result.IN_PROGRESS)
+    script.orders.order(WHO, Stop())
+    script.wait(3.9)
+    assert script.heard[-1][0] > 3.0
+
+
 def test_the_end_of_the_first_is_not_that_of_the_second_which_was_not_heard_yet(script):
     script.orders.order(WHO, Turn(40))
     script.ack(TURN, Result.IN_PROGRESS)
