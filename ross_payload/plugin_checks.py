@@ -174,7 +174,7 @@ class CheckedExplorer:
             return self._explorer.observe(spectrogram, frequencies, heading, noise_psd, frame_period=frame_period)
 
         seen = _called(self._who, "observe", call)
-        return _faultless(self._who, "observe", seen, _fault_of_observation(seen))
+        return _plain_observation(_faultless(self._who, "observe", seen, _fault_of_observation(seen)))
 
     @property
     def hears_turning(self) -> bool:
@@ -200,7 +200,7 @@ class CheckedExplorer:
             )
 
         seen = _called(self._who, "observe_turning", call)
-        return _faultless(self._who, "observe_turning", seen, _fault_of_observation(seen))
+        return _plain_observation(_faultless(self._who, "observe_turning", seen, _fault_of_observation(seen)))
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
         """Estimate K and all azimuths from every orientation heard so far."""
@@ -313,8 +313,20 @@ def _fault_of_observation(seen: Any) -> str:
         return f"expected a finite heading and a weight of 0 or more, got {seen.heading!r} and {seen.weight!r}"
     if not isinstance(seen.peaks, LISTS) or not all(map(_finite, seen.peaks)):
         return f"peaks: expected a tuple of finite ITDs [s], got {_short(seen.peaks)}"
+    if not _finite_or_none(seen.height):
+        return f"expected a finite height or None, got {_short(seen.height)}"
     return _fault_of_array("grid", seen.grid, "f", (None,)) or _fault_of_array(
         "density", seen.density, "f", seen.grid.shape
+    )
+
+
+def _plain_observation(seen: Observation) -> Observation:
+    return replace(
+        seen,
+        heading=float(seen.heading),
+        weight=float(seen.weight),
+        peaks=tuple(map(float, seen.peaks)),
+        height=_float_or_none(seen.height),
     )
 
 

@@ -133,6 +133,7 @@ BAD_EXPLORERS = {
     "rival": (Believes(Estimate((source(),), rival=Estimate((source(np.nan),)))), "estimate: rival: expected finite"),
     "no sources": (Believes(Estimate(None)), "sources: expected a tuple, got NoneType"),
     "peaks": (Observes(Observation(0.0, np.zeros(1), np.ones(1), 1.0, peaks=(np.nan,))), "peaks: expected a tuple"),
+    "height": (Observes(Observation(0.0, np.zeros(1), np.ones(1), 1.0, height=np.nan)), "expected a finite height"),
     "again": (Reconsiders(), "reconsider: expected Estimate, got list"),
 }
 
@@ -184,6 +185,9 @@ def test_numbers_of_numpy_and_lists_become_those_of_python():
     plain = checked_explorer("theirs", lambda: Believes(believed)).estimate([])
     assert json.dumps(asdict(plain)).startswith('{"sources": [{"azimuth": 0.5, ')
     assert plain.rival.sources == plain.sources == (source(0.5, confidence=1.0, elevation=0.25, sigma=0.1),)
+    seen = Observation(np.float32(0.5), np.zeros(1), np.ones(1), np.int64(2), peaks=np.array([0.25], np.float32))
+    heard = checked_explorer("theirs", lambda: Observes(seen)).observe(spectrogram, scene.frequencies, 0.5, None)
+    assert json.dumps([heard.heading, heard.weight, heard.peaks]) == "[0.5, 2.0, [0.25]]"
 
 
 def test_a_good_plug_in_is_left_alone_however_slow():
