@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
-import hmac
 import re
 import secrets
 from collections.abc import Iterable
@@ -41,7 +39,6 @@ class WebSocketSessions:
         self._flights: list[dict[str, Any]] = []
         self._recordings: dict[str, Any] | None = None  # None: nobody offers any
         self._sockets: set[web.WebSocketResponse] = set()
-        self._secret = secrets.token_bytes(32)
 
     def wake(self, who: ComponentId | None) -> None:
         """Wake the browsers that watch a payload, or all."""
@@ -101,7 +98,8 @@ class WebSocketSessions:
         wanted = request.query.get("you", "")
         browser = wanted if _ID.fullmatch(wanted) and wanted not in self.sessions else self._new_id()
         self.state.control.on_connect(browser)
-        name, proof, cut = browser_name(request), self._proof(browser), partial(_cut, request)
+        proof = secrets.token_hex(16) if left is None else left.proof
+        name, cut = browser_name(request), partial(_cut, request)
         session = self.sessions[browser] = BrowserSession(self.state, browser, name, proof, cut)
         session.send({"type": "flights", "known": self._flights})
         if self._recordings is not None:
@@ -112,12 +110,8 @@ class WebSocketSessions:
         """Return the session that a browser has left though its socket is not known to be dead: its network changed."""
         session = self.sessions.get(request.query.get("you", ""))
         shown = request.query.get("proof", "").encode("utf-8", "replace")
-        known = session is not None and hmac.compare_digest(self._proof(session.id).encode(), shown)
+        known = session is not None and secrets.compare_digest(session.proof.encode(), shown)
         return session if known else None
-
-    def _proof(self, browser: str) -> str:
-        """Return what a browser shows to have its id again; another process gives it another one."""
-        return hmac.new(self._secret, browser.encode(), hashlib.sha256).hexdigest()[:32]
 
     def _new_id(self) -> str:
         taken = {*self.sessions, self.state.control.holder}
