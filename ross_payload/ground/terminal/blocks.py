@@ -11,7 +11,7 @@ from rich.text import Text
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.model.view import view as view_of
 from ross_payload.ground.terminal.polar_plot import colour, letter
-from ross_protocols.angle_text import frame
+from ross_protocols.angle_text import frame, rounded
 
 SILENT_S = 2.5  # without a message, from which a payload is lost
 LEAST_RATE_DEG_S, LEAST_SILENCE_S = 0.5, 1.0  # that are told of a tracked source
@@ -20,6 +20,15 @@ PLAIN_BARS = " .:-=+*%#"
 MARKS = {"good": ("ok ", "green"), "watch": ("!  ", "yellow"), "act": ("!! ", "bold red"), "unknown": ("?  ", "dim")}
 FATES = {"done": "green", "refused": "bold red", "failed": "bold red", "no_answer": "yellow", "cancelled": "yellow"}
 View = dict[str, Any]
+
+
+def direction(degrees: float | None, unit: str = "") -> str:
+    """Write a direction [deg] that may not be known, from 0 to 359.9.
+
+    >>> direction(359.97, " deg"), direction(None, " deg")
+    ('0.0 deg', '-')
+    """
+    return number(None if degrees is None else rounded(degrees), ".1f", unit)
 
 
 def number(value: float | None, form: str, unit: str = "") -> str:
@@ -69,8 +78,8 @@ def strip(view: View) -> list[Text]:
         f"score {number(score, '.2f')}{wanted}",
         f"SI-SDR {number(mission.get('si_sdr'), '.1f', ' dB')}",
     ]
-    goal = "" if pointing["goal"] is None else f" turning to {pointing['goal']:.1f} deg"
-    where = f"axis {number(pointing['heading'], '.1f', ' deg')}{goal}, {frame(pointing['earth'])}"
+    goal = "" if pointing["goal"] is None else f" turning to {direction(pointing['goal'])} deg"
+    where = f"axis {direction(pointing['heading'], ' deg')}{goal}, {frame(pointing['earth'])}"
     joint, gain = number(pointing.get("joint"), "+.1f", " deg"), number(mission.get("gain"), "+.1f", " dB")
     return [Text("  ".join(parts)), Text(f"{where}  joint {joint}  gain {gain}")]
 
@@ -82,7 +91,9 @@ def sources(view: View, *, chosen: int | None) -> list[Text]:
         mark = "*" if each["target"] else " "
         line = Text(f"{'>' if each['source'] == chosen else ' '}", "bold")
         line.append(f"{each['source']:>3}{mark}", f"bold {colour(each['source'])}")
-        line.append(f" {each['azimuth']:7.1f} {number(each['mirror'], '.1f'):>6} {number(each['sigma'], '.1f'):>4}")
+        line.append(
+            f" {direction(each['azimuth']):>7} {direction(each['mirror']):>6} {number(each['sigma'], '.1f'):>4}"
+        )
         line.append(f" {number(each['confidence'], '.2f'):>5} {number(each['score'], '.2f'):>6}{_motion(each)}")
         rows.append(line)
     if not view["sources"]:
@@ -109,7 +120,7 @@ def plan(view: View) -> list[Text]:
     for each in candidates:
         aliased = "+".join(map(str, each["aliased"])) or "-"
         now = each["candidate"] == view["plan"]["current"]
-        line = Text(f"{letter(each['candidate'])} {each['heading']:5.1f}  {each['source']:>8}  {aliased:<6}")
+        line = Text(f"{letter(each['candidate'])} {direction(each['heading']):>5}  {each['source']:>8}  {aliased:<6}")
         line.append(
             f" {each['isolation_us']:5.0f}  {number(each['gain'], '+.1f'):>6}  {each['state']} ({each['rule']})"
         )
@@ -200,7 +211,9 @@ def curves(view: View, width: int, *, braille: bool) -> list[Text]:
         first = view["densities"][0]
         span = f"{first['first_us']:.0f} to {first['last_us']:.0f} us"
         rows.append(Text(f"ITD density of each orientation, {span}", "underline"))
-        rows += [_curve(f"{each['heading']:5.1f} deg", each["density"], wide, braille) for each in view["densities"]]
+        rows += [
+            _curve(f"{direction(each['heading']):>5} deg", each["density"], wide, braille) for each in view["densities"]
+        ]
     if view["isolation"]:
         first = view["isolation"][0]
         span = f"headings {first['first']:.0f} to {first['last']:.0f} deg"

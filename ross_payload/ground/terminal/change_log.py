@@ -119,7 +119,7 @@ def _oddity(view: View) -> list[str]:
 
 def _goal_key(view: View) -> Any:
     goal = view["pointing"]["goal"]
-    return None if goal is None else round(goal)
+    return None if goal is None else rounded(goal, 0)
 
 
 def _goal(view: View) -> list[str]:
@@ -127,8 +127,8 @@ def _goal(view: View) -> list[str]:
     if pointing["heading"] is None:
         return []
     if pointing["goal"] is None:
-        return [f"axis at {pointing['heading']:.1f} deg"]
-    return [f"axis at {pointing['heading']:.1f} deg, turning to {pointing['goal']:.1f} deg"]
+        return [f"axis at {rounded(pointing['heading']):.1f} deg"]
+    return [f"axis at {rounded(pointing['heading']):.1f} deg, turning to {rounded(pointing['goal']):.1f} deg"]
 
 
 def _mission(view: View) -> list[str]:
@@ -161,7 +161,8 @@ def _sources(view: View) -> list[str]:
 
 def _plan(view: View) -> list[str]:
     told = [
-        f"{each['heading']:.0f} deg ({each['state']}) isolates {each['source']}" for each in view["plan"]["candidates"]
+        f"{rounded(each['heading'], 0):.0f} deg ({each['state']}) isolates {each['source']}"
+        for each in view["plan"]["candidates"]
     ]
     return [f"alignment candidates {', '.join(told)}"] if told else []
 

@@ -149,6 +149,13 @@ def test_the_goal_lies_on_the_ring():
     assert distance > 8
 
 
+def test_no_direction_is_shown_as_360_degrees():
+    north = math.radians(0.03)  # 359.97 degrees of a compass
+    picture = text(status(30.1, heading=north, heading_goal=north), size=(200, 60))
+    assert "axis 0.0 deg" in picture
+    assert "360.0" not in picture
+
+
 def test_the_ring_is_thin_where_the_axis_cannot_point():
     free = dots(drawn({}))
     half = dots(drawn({"pointing": NOTHING["pointing"] | {"limits": [270.0, 90.0]}}))

@@ -1,5 +1,6 @@
 """What is worth a line of a log."""
 
+import math
 from dataclasses import replace
 
 from emulated_scene import full
@@ -45,6 +46,13 @@ def test_a_new_state_is_told_with_its_meaning():
     told = Told()
     [line] = told.words(replace(told.one(Status), state=9))
     assert line == "state fault: A fault ended the mission."
+
+
+def test_no_heading_is_told_as_360_degrees():
+    told = Told()
+    north = math.radians(0.03)  # 359.97 degrees of a compass
+    [line] = told.words(replace(told.one(Status), heading=north, heading_goal=north))
+    assert line == "axis at 0.0 deg, turning to 0.0 deg"
 
 
 def test_a_source_that_trembles_is_not_told_and_one_that_walks_is():
