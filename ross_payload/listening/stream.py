@@ -16,6 +16,7 @@ from ross_payload.interfaces import Complex, VoiceBlock
 from ross_payload.listening.limiter import LevelMeter, Limiter
 from ross_payload.listening.sink_runner import SinkRunner
 from ross_payload.streams import Selection, StreamStatus
+from ross_payload.transport.link_url import host_in_url
 
 log = logging.getLogger(__name__)
 
@@ -39,11 +40,17 @@ class StreamSettings:
 
     @property
     def title(self) -> str:
-        """What it is, for the log."""
+        """What it is, for the log.
+
+        >>> from ross_payload.streams import What
+        >>> StreamSettings(1, "tcp", Selection(What.TARGET), options={"address": "::1", "port": 5011}).title
+        'stream 1 (target to tcp [::1]:5011)'
+        """
         told = {name: str(self.options[name]) for name in ("path", "device", "address", "port") if name in self.options}
-        told |= (
-            {"path": str(Path(told["path"]))} if "path" in told else {}
-        )  # without the ./ of a name that is no folder's
+        if "path" in told:
+            told["path"] = str(Path(told["path"]))  # without the ./ of a name that is no folder's
+        if "address" in told:
+            told["address"] = host_in_url(told["address"])
         sink = " ".join([self.sink, *filter(None, [":".join(told.values())])])
         return f"stream {self.number} ({selection_text(self.selection)} to {sink})"
 

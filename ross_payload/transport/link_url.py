@@ -93,13 +93,18 @@ def tcp_endpoint(text: str, option: str, min_port: int = 1) -> tuple[str, int]:
     return found["host"].strip("[]"), port
 
 
+def host_in_url(host: str) -> str:
+    """Write a host as URLs do, an IPv6 address in brackets."""
+    return f"[{host}]" if ":" in host else host
+
+
 def host_and_port(host: str, port: int) -> str:
-    """Write a host and a port as URLs do, an IPv6 host in brackets.
+    """Write a host and a port as URLs do.
 
     >>> host_and_port("::1", 5010)
     '[::1]:5010'
     """
-    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+    return f"{host_in_url(host)}:{port}"
 
 
 def _serial(url: str, rest: str) -> Serial:
