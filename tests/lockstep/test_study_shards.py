@@ -70,6 +70,8 @@ def test_the_status_says_how_far_a_study_is(run, study, halves, folder, tmp_path
     code, _, err = run("study", "status", str(tmp_path))
     assert code == 2
     assert "expected what a shard belongs to" in err
+    assert err.count(str(tmp_path)) == 1
+    assert err.endswith("got nothing that can be read: No such file or directory\n")
 
 
 def test_the_rows_of_two_shards_are_those_of_the_whole(run, study, halves, folder, tmp_path):

@@ -9,7 +9,7 @@ from typing import Any
 
 from ross_payload.bounded_files import parsed_json, read_bounded
 from ross_payload.config import validated
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, reason
 from ross_sim.study import missions_run, study_run
 from ross_sim.study.mission_design import MissionStudy, mission_tasks
 from ross_sim.study.mission_rows import decode_missions
@@ -101,7 +101,8 @@ def manifest_in(shard: Path) -> dict[str, Any]:
     try:
         found = parsed_json(read_bounded(path))
     except (OSError, ValueError) as error:
-        raise ConfigError(f"{path}: expected what a shard belongs to, got nothing that can be read: {error}") from error
+        why = f"got nothing that can be read: {reason(error)}"
+        raise ConfigError(f"{path}: expected what a shard belongs to, {why}") from error
     if not isinstance(found, dict) or not isinstance(found.get("study"), dict):
         raise ConfigError(f"{path}: expected what a shard belongs to, got something else")
     return found
