@@ -131,7 +131,7 @@ def _cut(mixture: Take, target: Take, common: float) -> tuple[str, ...]:
     return tuple(
         f"{name}: scored over the {common:.2f} s of {take.seconds:.2f} s that both recordings have"
         for name, take in takes
-        if take.seconds - common > 1.5 / take.rate
+        if round(take.seconds, 2) > round(common, 2)  # what is less is not worth a note
     )
 
 

@@ -12,7 +12,7 @@ from examples import in_soak, rows_in_soak
 from ross_payload.audio.audio_files import write_wav
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.stft import Stft
-from ross_payload.evaluation.takes import lag_of, placed
+from ross_payload.evaluation.takes import Take, lag_of, paired, placed
 from ross_payload.separation.auto_separator import separator as auto
 from ross_payload.separation.local_gaussian_model import separator as gaussian
 from ross_sim.study.mixtures import FRAME, HOP, RATE, aligned_heading, record, scene_of
@@ -199,6 +199,13 @@ def test_a_shorter_take_is_scored_where_both_are_heard_and_said_so(takes, scored
     values = scored(takes / "a.wav", tmp_path / "short.wav")
     assert values["scored_s"] == SECONDS - 1
     assert any(note.startswith("mixture: scored over the 5.00 s of 6.00 s") for note in values["notes"])
+
+
+def test_some_samples_at_the_ends_are_not_worth_a_note():
+    sound = np.random.default_rng(0).normal(size=(2, 32012))
+    pair = paired(Take(sound[:, :32000], 16000), Take(sound[:, 12:], 16000), 16000)
+    assert pair.span == slice(12, 32000)
+    assert pair.notes == ()
 
 
 def test_out_holds_every_voice_and_the_report_and_none_of_an_earlier_run(takes, scored, run, tmp_path):
