@@ -72,7 +72,7 @@ def test_a_payload_loads_nothing_that_it_can_do_without():
 
 def test_a_good_configuration_is_good(run, tmp_path):
     path = tmp_path / "a.toml"
-    path.write_text("[actuator]\nkind = 'ideal'\n")
+    path.write_text("[actuator]\nkind = 'ideal'\noptions = { port = 'ideal:tcp:127.0.0.1:7001' }\n")
     assert run("config", "check", path)[0] == 0
 
 

@@ -62,6 +62,7 @@ BAD = {
     "a pin twice": "[actuator.options]\nport = 'pulses:lgpio:0:17,17,22'\n",
     "pulses from nowhere": "[actuator.options]\nport = 'pulses:usb'\n",
     "a wire that is none": "[actuator.options]\nport = 'string:7'\n",
+    "a simulated wire to nowhere": "[actuator]\nkind = 'ideal'\n",
     "a CAN interface that is none": "[dronecan]\nport = 'can:none:can0'\n",
     "a CAN hub without a port": "[dronecan]\nport = 'can:socketcand:127.0.0.1'\n",
     "a serial wire without a rate": "[actuator]\nkind = 'grbl'\n[actuator.options]\nport = 'serial:/dev/ttyUSB0'\n",

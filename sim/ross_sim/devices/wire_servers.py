@@ -19,7 +19,7 @@ from typing import Any, Protocol, Self
 
 from ross_payload import plugins
 from ross_payload.actuators.tb6600.pulse_segments import Level, PulseCodec, RanOut, RecordingPulses, Segment
-from ross_payload.actuators.wires import Codec, TcpWire, connect, greeting
+from ross_payload.actuators.wires import Codec, TcpWire, connect, greeting, served_at
 from ross_payload.actuators.wires.codecs import CanCodec, RawCodec
 from ross_payload.errors import LinkError, refused_as
 from ross_payload.interfaces import Clock, Port
@@ -61,6 +61,10 @@ class IdealWire:
     def open(self, url: str, clock: Clock) -> Port:
         """Connect to a device in another process."""
         return connect(url, IdealCodec(), clock)
+
+    def check(self, url: str) -> None:
+        """Refuse what is no place of a device in another process."""
+        served_at(url)
 
 
 class Side(Protocol):
