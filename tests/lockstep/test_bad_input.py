@@ -1,8 +1,12 @@
 """Every mistake of a user is one clear line, exit code 2, and nothing is lost or moved."""
 
+import sys
+
 import numpy as np
 import pytest
 import soundfile
+
+from ross_sim.sitl import mission_session
 
 
 def test_an_out_that_is_a_file_is_refused_before_anything_moves(run, tmp_path):
@@ -11,6 +15,16 @@ def test_an_out_that_is_a_file_is_refused_before_anything_moves(run, tmp_path):
     assert (code, out) == (2, "")
     assert err.count("\n") == 1
     assert (tmp_path / "out").read_text() == "mine"
+
+
+def test_without_matplotlib_results_are_refused_before_anything_moves(run, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.delitem(sys.modules, "ross_sim.sitl.mission_figure", raising=False)
+    monkeypatch.setattr(mission_session, "_staged", None)
+    code, out, err = run("sitl", "--out", tmp_path / "out")
+    assert (code, out) == (2, "")
+    assert "needs the package matplotlib" in err
+    assert not (tmp_path / "out").exists()
 
 
 def voices(folder, *clips):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -93,6 +94,7 @@ def perform(
     """
     wall = SystemClock()
     started = wall.now()
+    draw = _picture(scenario) if out is not None else None
     with ExitStack() as stack, computing():
         staged = _staged(
             stack, scenario, company, view, out, speed=speed, tape=tape, page=page, tracker=tracker, cache=cache
@@ -112,8 +114,10 @@ def perform(
     timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": simulated}
     timing["times_real_time"] = simulated / max(done - ready, 1e-9)
     timing["payload_cpu_s"] = staged.cost.seconds
-    if out is not None:
+    if out is not None and draw is not None:
         _write(out, story, truth, values, scenario)
+        with out.writing("mission.png") as path:
+            draw(path, story, truth)
         timing["results_s"] = wall.now() - done
         out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
     return Finished(result, values, timing, tuple(complaints))
@@ -295,16 +299,19 @@ def _configuration(scenario: Scenario) -> dict[str, Any]:
     return values | {"seed": scenario.payload.seed}
 
 
-def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, Any], scenario: Scenario) -> None:
+def _picture(scenario: Scenario) -> Callable[[Path, EventLog, Truth], None]:
+    """Return what draws a mission; no mission is flown where matplotlib is missing and a picture is wanted."""
+    from ross_sim.sitl.mission_figure import draw  # noqa: PLC0415
+
     config = scenario.payload
-    rate = config.audio.rate_hz
+    unit = config.array.spacing_m / config.array.speed_of_sound_m_s
+    return partial(draw, rate=config.audio.rate_hz, unit=unit, title=scenario.title)
+
+
+def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, Any], scenario: Scenario) -> None:
+    rate = scenario.payload.audio.rate_hz
     out.write_json("report.json", values)
     out.write_text("events.jsonl", "".join(map(event_json.line, story.events)))
     write_azimuths(out, scenario, truth.mixture.size)
     for name, voice in voices_of(story.last(Separated)).items():
         write_wav(out.staging / name, voice, rate)
-    unit = config.array.spacing_m / config.array.speed_of_sound_m_s
-    from ross_sim.sitl.mission_figure import draw  # noqa: PLC0415  matplotlib, where a picture is wanted
-
-    with out.writing("mission.png") as path:
-        draw(path, story, truth, rate=rate, unit=unit, title=scenario.title)
