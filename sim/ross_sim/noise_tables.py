@@ -10,6 +10,8 @@ from pydantic import Field, model_validator
 from ross_payload.config import Degrees, Positive, Table
 from ross_sim.acoustics.far_noise import REACH
 
+FARTHEST = 1000.0  # from the array [m]: sound takes 3 s from there, and as many samples have to be rendered
+Distance = Annotated[float, Field(gt=0, le=FARTHEST)]
 Decibels = Annotated[float, Field(ge=-100, le=100)]
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-100, le=100)]
 Kind = Literal["place", "rotor", "wind", "babble", "passing_car"]
@@ -45,7 +47,7 @@ class NoiseSource(Table):
     kind: Kind = "place"
     sound: str = SYNTHETIC  # made here ("fan" for a place); or a recording, or a folder of them; repeated
     azimuth_deg: Degrees | None = None  # counter-clockwise, frame of the mount; of a car where it is nearest
-    distance_m: Positive | None = None  # from the centre of the array, along the floor; of a car where it is nearest
+    distance_m: Distance | None = None  # from the centre of the array, along the floor; of a car where it is nearest
     height_m: Positive | None = None  # above the floor; three dimensions only; absent: that of the array
     rotors_m: tuple[tuple[Finite, Finite, Finite], ...] = QUADROTOR  # ahead, to the left and above the array's centre
     rpm: Annotated[float, Field(ge=600, le=30000)] = 5400.0  # mean of all rotors

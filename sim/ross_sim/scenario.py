@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Degrees, Positive, Table, read_toml, validated
@@ -20,7 +20,7 @@ from ross_payload.interfaces import Real
 from ross_sim.acoustics.room import RoomSpec
 from ross_sim.devices.far_end import FarEnd, Fault, far_end_of
 from ross_sim.microphone_table import Microphones
-from ross_sim.noise_tables import Decibels, Noise, NoiseSource
+from ross_sim.noise_tables import FARTHEST, Decibels, Distance, Noise, NoiseSource
 from ross_sim.talkers.path import Path as Walk
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.vehicle_table import Seconds, Vehicle
@@ -40,13 +40,20 @@ class Room(Table):
     array_m: Place | None = None  # absent: the middle, 1.2 m high
     turns_heard: bool = True  # false: while the array turns, what is heard at its last heading goes on
 
+    @field_validator("size_m")
+    @classmethod
+    def _bounded(cls, size: Place) -> Place:
+        if max(size) > 2 * FARTHEST:
+            raise ValueError(f"expected sides of at most {2 * FARTHEST:g} m, got {max(size):g} m")
+        return size
+
 
 class WayPoint(Table):
     """[[talkers.path]]: where a talker is at one time; on a straight line in these numbers in between."""
 
     at_s: Annotated[float, Field(gt=0, allow_inf_nan=False)]  # the talker leaves the place before as that is reached
     azimuth_deg: Degrees  # counted on: 190 is reached past 180, -170 the other way round
-    distance_m: Positive | None = None  # absent: as before
+    distance_m: Distance | None = None  # absent: as before
     height_m: Positive | None = None  # absent: as before
 
 
@@ -55,7 +62,7 @@ class Talker(Table):
 
     name: str | Annotated[int, Field(ge=0)] | None = None  # whose voice: a name, a number among all, or the next unused
     azimuth_deg: Degrees  # counter-clockwise, in the frame of the mount
-    distance_m: Positive = 2.5  # from the centre of the array, along the floor
+    distance_m: Distance = 2.5  # from the centre of the array, along the floor
     height_m: Positive | None = None  # above the floor; three dimensions only; absent: 1.6 m
     level_db: Decibels = 0.0  # at microphone 1, relative to the others
     start_s: Seconds | None = None  # absent: when the lead-in of the payload ends, but 2 s at least

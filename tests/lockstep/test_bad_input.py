@@ -74,6 +74,13 @@ BAD_SCENARIOS = {
         "title = 'x'\ntalkers = []\n[[payload.listening.streams]]\nsink = 'file'\noptions = { pfad = 'x.wav' }\n"
     ),
     "unknown key 'colour'": "title = 'x'\ncolour = 'red'\ntalkers = []\n",
+    "noise.sources.0.distance_m: expected a number less than or equal to 1000": (
+        "title = 'x'\ntalkers = []\n[[noise.sources]]\nname = 'x'\nkind = 'babble'\nsnr_db = 10\ndistance_m = 1e6\n"
+    ),
+    "talkers.0.distance_m: expected a number less than or equal to 1000": (
+        "title = 'x'\n[[talkers]]\nazimuth_deg = 0\ndistance_m = 1e6\n"
+    ),
+    "room.size_m: expected sides of at most 2000 m": "title = 'x'\ntalkers = []\n[room]\nsize_m = [4e6, 4e6]\n",
     "not TOML": "= = =",
 }
 
