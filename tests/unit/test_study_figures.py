@@ -107,6 +107,16 @@ def test_a_mean_is_that_of_all_targets_and_its_interval_that_of_the_layouts():
     assert line == ("S1, K = 3", "12.4 ± 7.5 / -")  # 10, 13 and 16 dB: 3 dB times 4.303 over the root of 3
 
 
+def test_explorations_step_by_step_and_without_a_pause_are_told_apart():
+    blank = Separation("t", "S1", 3, 0, 0, "0.1", "aligned", 0, "anna", 170.0, separator="duet", si_sdri_db=9.0)
+    there = replace(blank, how="estimated", start=0, explorer="joint", unit_s=3.0, schedule="4", all_found=True)
+    turning = replace(there, turning_deg_s=20.0, si_sdri_db=6.0)
+    assert losses(gain_rows([blank, there, turning])).rows == (
+        ("S1, K = 3, joint, 3 s, 4", "1.00", "0.00"),
+        ("S1, K = 3, joint, 3 s, 20 deg/s, 4", "1.00", "3.00"),
+    )
+
+
 def test_the_explorers_table_follows_schedules_and_the_stop_rule():
     rows = {row[0]: row[1:] for row in finds(end_rows((2, 4, "stop"), explorations())).rows}
     assert rows["S1, joint, 3 s, 2"] == ("2.0", "1.00", "1/1 (21-100 %)", "1.000", "0.67", "1/1")

@@ -26,6 +26,7 @@ class GainRow:
     start: int | None
     explorer: str | None
     unit_s: float | None
+    turning_deg_s: float  # while it was explored; 0: step by step
     schedule: str | None
     all_found: bool | None
     targets: int
@@ -45,7 +46,7 @@ def gain_rows(rows: Iterable[Separation]) -> list[GainRow]:
             rows,
             lambda row: (
                 row.setting, row.k, row.layout, row.seed, row.version, row.how, row.separator, row.noise, row.start,
-                row.explorer, row.unit_s, row.schedule, row.all_found,
+                row.explorer, row.unit_s, row.turning_deg_s, row.schedule, row.all_found,
             ),
         ).items()
     ]  # fmt: skip

@@ -52,6 +52,7 @@ class Separation(Scene):
     si_sdr_in_db: float | None = None
     si_sdr_out_db: float | None = None
     si_sdri_db: float = 0.0
+    turning_deg_s: float = 0.0  # while it was explored; 0: step by step
 
 
 @dataclass(frozen=True, slots=True)

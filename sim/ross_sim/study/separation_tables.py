@@ -71,4 +71,5 @@ def _loss(rows: Sequence[GainRow], true: dict[object, float]) -> str:
 
 
 def _effort(row: GainRow) -> str:
-    return f"{row.setting}, K = {row.k}, {row.explorer}, {row.unit_s:g} s, {row.schedule}"
+    turning = f"{row.turning_deg_s:g} deg/s, " if row.turning_deg_s else ""
+    return f"{row.setting}, K = {row.k}, {row.explorer}, {row.unit_s:g} s, {turning}{row.schedule}"

@@ -59,6 +59,7 @@ class _Case:
         row = result_rows.Separation(
             task.id, task.setting, task.k, task.layout, self.study.seed, __version__,
             how, target, self.stage.names[target], azimuth, explorer=task.explorer, unit_s=task.unit,
+            turning_deg_s=task.rate,
         )  # fmt: skip
         if how == result_rows.ALIGNED:
             return row
