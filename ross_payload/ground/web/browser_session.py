@@ -27,7 +27,7 @@ class BrowserSession:
 
     def __init__(self, state: PageState, browser: str, name: str, proof: str, cut: Callable[[], None]) -> None:
         self.state, self.id, self.operator = state, browser, Operator(state, browser, name)
-        self.proof, self.cut = proof, cut
+        self.cut = cut
         self.wake = asyncio.Event()
         self.watched: ComponentId | None = None
         self._seen = 0  # number of the view that was sent

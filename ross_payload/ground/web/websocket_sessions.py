@@ -39,6 +39,7 @@ class WebSocketSessions:
         self._flights: list[dict[str, Any]] = []
         self._recordings: dict[str, Any] | None = None  # None: nobody offers any
         self._sockets: set[web.WebSocketResponse] = set()
+        self._proofs: dict[str, str] = {}  # of the latest browser that had an id
 
     def wake(self, who: ComponentId | None) -> None:
         """Wake the browsers that watch a payload, or all."""
@@ -52,7 +53,9 @@ class WebSocketSessions:
 
     async def serve(self, request: web.Request) -> web.StreamResponse:
         """Talk with one browser until it goes."""
-        if len(self.sessions) >= MAX_SESSIONS and self._left(request) is None:
+        if len(self.sessions) >= MAX_SESSIONS and not (
+            self._returns(request) and request.query["you"] in self.sessions
+        ):
             raise web.HTTPServiceUnavailable(text=f"{MAX_SESSIONS} browsers are connected, no more are served\n")
         socket = await opened(request, MAX_MESSAGE_BYTES, WRITE_BUFFER_BYTES)
         session = self._session(request)
@@ -90,15 +93,16 @@ class WebSocketSessions:
         await close_all(self._sockets)
 
     def _session(self, request: web.Request) -> BrowserSession:
-        """Begin a session, with the id that a browser says it had, unless another one has it."""
-        left = self._left(request)
-        if left is not None:
-            del self.sessions[left.id]
+        """Begin a session, with the id that a browser says it had, unless another one has it.
+
+        A browser whose network changed has left a session whose socket is not known to be dead: that ends.
+        """
+        wanted, returns = request.query.get("you", ""), self._returns(request)
+        if returns and (left := self.sessions.pop(wanted, None)) is not None:
             left.cut()
-        wanted = request.query.get("you", "")
         browser = wanted if _ID.fullmatch(wanted) and wanted not in self.sessions else self._new_id()
         self.state.control.on_connect(browser)
-        proof = secrets.token_hex(16) if left is None else left.proof
+        proof = self._proofs[browser] = self._proofs[browser] if returns else secrets.token_hex(16)
         name, cut = browser_name(request), partial(_cut, request)
         session = self.sessions[browser] = BrowserSession(self.state, browser, name, proof, cut)
         session.send({"type": "flights", "known": self._flights})
@@ -106,12 +110,11 @@ class WebSocketSessions:
             session.send({"type": "recordings", **self._recordings})
         return session
 
-    def _left(self, request: web.Request) -> BrowserSession | None:
-        """Return the session that a browser has left though its socket is not known to be dead: its network changed."""
-        session = self.sessions.get(request.query.get("you", ""))
+    def _returns(self, request: web.Request) -> bool:
+        """Whether a browser shows that it was the latest one with the id that it says it had."""
+        proof = self._proofs.get(request.query.get("you", ""), "")
         shown = request.query.get("proof", "").encode("utf-8", "replace")
-        known = session is not None and secrets.compare_digest(session.proof.encode(), shown)
-        return session if known else None
+        return bool(proof) and secrets.compare_digest(proof.encode(), shown)
 
     def _new_id(self) -> str:
         taken = {*self.sessions, self.state.control.holder}

@@ -156,6 +156,14 @@ async def test_a_browser_whose_network_changed_takes_the_place_of_its_dead_socke
             assert not any(each["type"] == "refused" for each in again.got)
 
 
+async def test_a_browser_that_returns_has_the_same_proof():
+    async with page(there()) as served:
+        async with browser(served.url) as one:
+            hello = await one.next("hello")
+        async with browser(served.url, you=f"{hello['you']}&proof={hello['proof']}") as again:
+            assert await again.next("hello") == hello
+
+
 async def test_what_one_browser_has_shown_is_no_proof_of_the_next_one_with_its_id():
     """Ids are few, and given again; two that could take each other's place would do so for ever."""
     async with page(there()) as served:
