@@ -76,6 +76,18 @@ def test_a_ratio_is_of_the_same_mixture():
 
 
 @pytest.mark.soak
+def test_what_was_not_measured_is_a_dash():
+    alone = CostRow("duet", "S1", 3, 24000, 10.0, 0, 0, None, 0.1, 3.0)
+    assert costs([alone, replace(alone, method="irm", setting="S2")]).rows[0] == (
+        "duet",
+        "0.1000",
+        "-",
+        "-",
+        "3.0",
+        "-",
+    )
+
+
 def test_every_growing_number_has_a_row_of_its_own(voices):
     rows = grown("K", [replace(TINY, n_sources=k, seconds=0.5) for k in (2, 3)], voices, 1, 0)
     table = growth(rows)

@@ -37,6 +37,11 @@ ROWS = [
 ENDS = end_rows((1, 2, "stop"), ROWS)
 
 
+def test_where_nobody_was_found_no_confidence_has_a_mean() -> None:
+    nobody = end_rows((1,), [row("one", 1, (0.0, 90.0), (), ())])
+    assert reliability(nobody).rows == (("all", "-", "-"),)
+
+
 def test_a_schedule_ends_after_so_many_rotations_or_where_the_explorer_is_certain() -> None:
     certain = [replace(ROWS[0], rotations=0), replace(ROWS[0], certain=True), ROWS[1]]
     assert [(end.schedule, end.rotations) for end in end_rows((2, "stop", 3), certain)] == [("2", 2), ("stop", 1)]

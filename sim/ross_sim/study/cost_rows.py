@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import mean, median
 
@@ -47,10 +47,12 @@ def costs(rows: Sequence[CostRow]) -> Table:
     rooms = list(grouped(compared, lambda row: row.setting))
     lines = []
     for method, group in grouped(compared, _method).items():
-        ratios = [median(row.cpu_s_s / other[row.mixture] for row in group) for other in base.values()]
-        gains = [mean(row.si_sdri_db or 0.0 for row in group if row.setting == room) for room in rooms]
-        cells = (f"{median(row.cpu_s_s for row in group):.4f}", *(f"{ratio:.1f}" for ratio in ratios))
-        lines.append((method, *cells, *(f"{gain:.1f}" for gain in gains)))
+        ratios = [
+            [row.cpu_s_s / other[row.mixture] for row in group if row.mixture in other] for other in base.values()
+        ]
+        gains = [[row.si_sdri_db or 0.0 for row in group if row.setting == room] for room in rooms]
+        cells = (*(_cell(median, each) for each in ratios), *(_cell(mean, each) for each in gains))
+        lines.append((method, f"{median(row.cpu_s_s for row in group):.4f}", *cells))
     header = ("", "CPU s/s", f"over {BASE}", "over auxiva, blind", *(f"SI-SDRi, {room} [dB]" for room in rooms))
     about = "Medians of CPU seconds per second of audio, of the ratios on each mixture, and mean SI-SDRi."
     return Table("Cost", header, tuple(lines), about)
@@ -68,6 +70,10 @@ def growth(rows: Sequence[CostRow]) -> Table:
         )
         lines.append((label, *cells))
     return Table("Growth", ("", *methods), tuple(lines), "CPU seconds per second of audio.")
+
+
+def _cell(of: Callable[[Sequence[float]], float], values: Sequence[float]) -> str:
+    return f"{of(values):.1f}" if values else "-"
 
 
 def _method(row: CostRow) -> str:

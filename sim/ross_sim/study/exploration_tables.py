@@ -88,6 +88,6 @@ def reliability(rows: Sequence[EndRow]) -> Table:
             lines.append(
                 (f"{low:g} to {high:g}", f"{told[here].mean():.3f}", rate_cell(int(true[here].sum()), int(here.sum())))
             )
-    lines.append(("all", f"{told.mean():.3f}", rate_cell(int(true.sum()), len(true))))
+    lines.append(("all", f"{told.mean():.3f}" if told.size else "-", rate_cell(int(true.sum()), len(true))))
     about = f"Sources by confidence; a source counts as a talker when one of its own is within {NEAR_DEG:g} deg."
     return Table("Confidence", ("confidence", "mean", "a talker there"), tuple(lines), about)
