@@ -168,6 +168,21 @@ async def test_a_program_that_dies_while_it_waits_for_an_order_loses_control_aft
         assert (await other.get("/control")).told["holder"] is None
 
 
+async def test_a_program_that_dies_while_it_waits_for_parameters_loses_control_after_the_grace_too():
+    """The payload does not answer when it is asked for them."""
+    station = there()
+    async with page(station) as served, program(served, "other") as other:
+        async with program(served, "tracker") as one:
+            await one.ask("PUT", "/control")
+            waiting = asyncio.create_task(one.get("/payloads/1-191/parameters?wait=60"))
+            await asyncio.sleep(0.1)
+            waiting.cancel()
+        for _ in range(19):
+            station.later += 0.1 * CONTROL_GRACE_S
+            await asyncio.sleep(0.05)
+        assert (await other.get("/control")).told["holder"] is None
+
+
 async def test_a_stop_needs_no_control_no_body_and_no_payload_that_was_received():
     station = HandStation()
     async with page(station) as served, browser(served.url) as other, program(served) as one:

@@ -66,7 +66,7 @@ async def _arrived(call: Call, settings: ParamClient, wait: float) -> None:
     """Wait for the list and its descriptions, no longer than so long [s]."""
     call.operator.state.tick()  # asks for it
     if wait > 0:
-        await call.operator.state.changed.within(wait, lambda: _is_complete(settings))
+        await call.operator.state.changed.within(wait, lambda: call.abandoned or _is_complete(settings))
 
 
 def _is_complete(settings: ParamClient) -> bool:
