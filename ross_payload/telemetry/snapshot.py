@@ -10,7 +10,7 @@ from ross_payload.angles import wrap
 from ross_payload.config import Config
 from ross_payload.interfaces import ActuatorState, Capabilities, Input
 from ross_payload.localization.model_order import MAX_SOURCES
-from ross_payload.plugin_checks import MOST_SOURCES
+from ross_payload.plugin_results import MOST_SOURCES
 from ross_protocols.mavlink.values import Information
 
 

@@ -39,7 +39,7 @@ FINGERPRINTED: Code = {  # so do these parts of the code
         "separation/*.npz",
         "localization/*.json",
         "localization/*.npz",
-        *(f"{name}.py" for name in ("angles", "events", "interfaces", "plugin_checks")),
+        *(f"{name}.py" for name in ("angles", "events", "interfaces", "plugin_checks", "plugin_results")),
     ),
     ross_sim: ("acoustics/room.py", "acoustics/render.py", "acoustics/impulse_responses.py", "talkers/speech.py"),
     ross_sim.study: tuple(
