@@ -34,9 +34,9 @@ bench: $(VENV)/.dev
 	$(BIN)/ross study separation $(BENCH) --seed 1 --out out/bench/separation
 	$(BIN)/ross study exploration $(BENCH) --explorers joint --seed 3 --out out/bench/exploration
 	$(BIN)/ross study missions --places written --draws 4 --seed 0 --turns-unheard --speech $(SPEECH) --out out/bench/rooms
-	$(BIN)/python -m ross_sim.study.voiceprint_study --speech $(SPEECH)
+	$(BIN)/python -m ross_sim.study.voiceprint_study --speech $(SPEECH) --out out/bench/voice-prints.csv
 	$(PIP) --group bench
-	$(BIN)/python -m ross_sim.study.separation_cost --speech $(SPEECH)
+	$(BIN)/python -m ross_sim.study.separation_cost --speech $(SPEECH) --out out/bench/costs.csv
 	$(BIN)/python -m ross_sim.study.live_separation out/bench/live-separation.csv --speech $(SPEECH)
 
 soak: $(VENV)/.dev
