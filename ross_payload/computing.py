@@ -1,4 +1,7 @@
-"""How the hearing computes: BLAS on one thread, and with memory that stays mapped, in small pages.
+"""How the hearing computes: on two threads at most, BLAS on one, and with memory that stays mapped, in small pages.
+
+What takes long is computed part by part (`on_threads`), and a second thread takes some of the parts where there is a
+second core. Only the thread that called `computing` has one: what listens frame by frame beside it keeps its core.
 
 A separation of ten seconds takes and frees some 200 MB in arrays of up to 30 MB. glibc hands most of that back to the
 kernel, which fills every page with zeros before it gives it out again, some tens of thousands in a mission. numpy asks
@@ -9,10 +12,17 @@ one is mostly at hand.
 from __future__ import annotations
 
 import ctypes
+import os
 import sys
-from collections.abc import Iterator
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from typing import TypeVar
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 TRIM_THRESHOLD, MMAP_THRESHOLD = -1, -3  # M_.. of glibc's malloc.h
@@ -20,14 +30,95 @@ LARGEST = 32 << 20  # what is larger is mapped by itself all the same; glibc all
 SET_THP_DISABLE = 41  # PR_.. of linux/prctl.h
 KEPT = 128 << 20  # freed, at most, at the end of the heap: more hardly spares pages, and is resident [bytes]
 
+Part = TypeVar("Part")
+
+
+class _Threads(threading.local):
+    """What the calling thread may use beside itself."""
+
+    decided = False  # whether it is within `computing`
+    second: ThreadPoolExecutor | None = None
+    spent = 0.0  # CPU time of the second one [s]
+
+
+_threads = _Threads()
+
 
 @contextmanager
-def computing() -> Iterator[None]:
-    """Compute on one thread, and from then on keep memory that was freed for what comes next, in small pages."""
+def computing(threads: int | None = None) -> Iterator[None]:
+    """Compute on few threads, and from then on keep memory that was freed for what comes next, in small pages.
+
+    Parameters
+    ----------
+    threads
+        1 or 2, which `on_threads` may use; None: 2 where this process has as many cores. Within another `computing` of
+        this thread that one decides.
+    """
     keep_memory()
     small_pages()
     with threadpool_limits(limits=1):
-        yield
+        if _threads.decided:
+            yield
+            return
+        second = (cores() if threads is None else threads) > 1
+        _threads.decided = True
+        _threads.second = ThreadPoolExecutor(1, thread_name_prefix="computing") if second else None
+        try:
+            yield
+        finally:
+            if _threads.second is not None:
+                _threads.second.shutdown()
+            _threads.second, _threads.decided = None, False
+
+
+def cores() -> int:
+    """Return how many cores this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def on_threads(compute: Callable[[Part], object], parts: Iterable[Part]) -> None:
+    """Call ``compute`` with every part, in any order, some on the second thread of `computing`, and wait for all.
+
+    No part may need what another one writes. The first error is raised; parts that were not begun by then never are.
+    """
+    todo = deque(parts)
+
+    def work() -> None:
+        try:
+            while todo:
+                try:
+                    part = todo.popleft()
+                except IndexError:  # the other thread has just taken the last one
+                    return
+                compute(part)
+        except BaseException:
+            todo.clear()
+            raise
+
+    if _threads.second is None or len(todo) < 2:
+        work()
+        return
+    errors = np.geterr()
+
+    def help_out() -> float:
+        began = time.thread_time()
+        with np.errstate(**errors):
+            work()
+        return time.thread_time() - began
+
+    helping = _threads.second.submit(help_out)
+    try:
+        work()
+    finally:
+        if not helping.cancel():
+            _threads.spent += helping.result()
+
+
+def cpu_time() -> float:
+    """Return the CPU time of the calling thread, with that of its second one [s]; only differences mean something."""
+    return time.thread_time() + _threads.spent
 
 
 def keep_memory() -> bool:

@@ -20,7 +20,7 @@ WEAK = 0.3  # bins below this part of that do not count
 PRIOR_COUNT = 0.3  # bins added to every group's share of a block
 TINY = np.float32(1e-30)
 EVERY = 2  # frames: neighbours overlap
-AT_ONCE = 20000  # time-frequency bins worked on together: they stay in the cache
+AT_ONCE = 80000  # time-frequency bins worked on together: they stay in the cache
 
 
 def learn(

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files
 
 import numpy as np
-from scipy.linalg.blas import sgemm
 
 from ross_payload.array_files import decode_arrays, encode_arrays
+from ross_payload.computing import on_threads
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 
@@ -74,12 +74,10 @@ class Network:
         height = seen.shape[2] + EDGE
         inner = np.empty_like(hidden)
         inner[:, :EDGE] = 0
+        strips = list(_strips(seen))
         for block in self.blocks:
-            for strip in _strips(seen):
-                _fill_inner(block, hidden, inner, strip, height)
-            for strip in _strips(seen):
-                _add_taps(hidden, block.along_time, inner, block.step * height, strip)
-                hidden[:, strip] += block.bias_after[:, 0]
+            on_threads(partial(_fill_inner, block, hidden, inner, height=height), strips)
+            on_threads(partial(_mix_along_time, block, hidden, inner, height=height), strips)
             _columns(hidden[:, EDGE:], height)[:, :, -EDGE:] = 0
         return self._left(hidden, seen)[:, :n_freqs, :n_frames]
 
@@ -100,7 +98,7 @@ class Network:
         height = seen.shape[2] + EDGE
         inner, column, kept = np.zeros_like(hidden), slice(EDGE, EDGE + height), []
         for index, block in enumerate(self.blocks):
-            _fill_inner(block, hidden, inner, column, height)
+            _fill_inner(block, hidden, inner, column, height=height)
             before, here, _ = _taps(block.along_time)
             queue = past[index] if past else ()
             kept.append((*queue[1 - COLUMNS * block.step :], inner[:, column] @ before.T))
@@ -125,10 +123,13 @@ class Network:
         inside = _columns(hidden[:, EDGE:], height)
         inside[:, :, n_rows:] = 0
         seen = np.empty((n_groups, n_columns, n_rows, last.shape[1]), np.float32)
-        for columns in _some_columns(seen):
+
+        def enter(columns: slice) -> None:
             patches = _patched(shown, where, columns)
             np.maximum(patches @ first, 0, out=inside[:, columns, :n_rows])
             np.matmul(patches, last, out=seen[:, columns])
+
+        on_threads(enter, _some_columns(seen))
         return hidden, seen
 
     def _left(self, hidden: Real, seen: Real) -> Real:
@@ -136,7 +137,8 @@ class Network:
         n_groups, n_columns, n_rows, _ = seen.shape
         inside = _columns(hidden[:, EDGE:], n_rows + EDGE)[:, :, :n_rows]
         out = np.empty((n_groups, n_rows, ROWS, n_columns, COLUMNS), np.float32)
-        for columns in _some_columns(seen):
+
+        def leave(columns: slice) -> None:
             recalled, skipped = np.split(seen[:, columns], [len(self.recall)], axis=3)
             last = inside[:, columns] @ self.gather.T
             last += recalled
@@ -144,6 +146,8 @@ class Network:
             made = last @ self.leave.T
             made += skipped
             out[:, :, :, columns] = made.reshape(*made.shape[:3], ROWS, COLUMNS).transpose(0, 2, 3, 1, 4)
+
+        on_threads(leave, _some_columns(seen))
         return np.asarray(LIMIT * np.tanh(out.reshape(n_groups, n_rows * ROWS, n_columns * COLUMNS) / LIMIT))
 
 
@@ -204,7 +208,7 @@ def _columns(vectors: Real, height: int) -> Real:
     return vectors.reshape(len(vectors), -1, height, vectors.shape[2])
 
 
-def _fill_inner(block: Block, hidden: Real, inner: Real, strip: slice, height: int) -> None:
+def _fill_inner(block: Block, hidden: Real, inner: Real, strip: slice, *, height: int) -> None:
     """Write what a block makes of some columns, each alone."""
     weights, (n_groups, _, n_channels) = block.along_frequency, hidden.shape
     columns = _columns(hidden[:, strip], height)
@@ -222,6 +226,12 @@ def _fill_inner(block: Block, hidden: Real, inner: Real, strip: slice, height: i
     np.maximum(made, 0, out=made)
 
 
+def _mix_along_time(block: Block, hidden: Real, inner: Real, strip: slice, *, height: int) -> None:
+    """Add to some columns what a block makes of those before, here, and after."""
+    _add_taps(hidden, block.along_time, inner, block.step * height, strip)
+    hidden[:, strip] += block.bias_after[:, 0]
+
+
 def _taps(weights: Real) -> tuple[Real, Real, Real]:
     """The weights of what lies before, here, and after, (C, C) each."""
     n_channels = weights.shape[1]
@@ -229,15 +239,12 @@ def _taps(weights: Real) -> tuple[Real, Real, Real]:
 
 
 def _add_taps(onto: Real, weights: Real, values: Real, shift: int, strip: slice) -> None:
-    """Add three taps to a strip: what lies ``shift`` before, here, and ``shift`` after; zeros outside.
-
-    BLAS adds the products where they belong, so that nothing is copied.
-    """
+    """Add three taps to a strip: what lies ``shift`` before, here, and ``shift`` after; zeros outside."""
     for to, seen in zip(onto, values, strict=True):
         for tap, by in zip(_taps(weights), (-shift, 0, shift), strict=True):
             low, high = max(strip.start, -by), min(strip.stop, len(seen) - by)
             if low < high:
-                sgemm(1.0, tap, seen[low + by : high + by].T, beta=1.0, c=to[low:high].T, overwrite_c=1)
+                to[low:high] += seen[low + by : high + by] @ tap.T
 
 
 @cache

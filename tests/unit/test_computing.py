@@ -1,12 +1,17 @@
-"""Memory that was freed is used again as it is, in small pages, and BLAS computes on one thread."""
+"""Memory that was freed is used again as it is, in small pages; BLAS computes on one thread, the hearing on two."""
 
 import subprocess
 import sys
+import threading
+import time
 
+import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
-from ross_payload.computing import computing, keep_memory, small_pages
+from ross_payload.computing import computing, cpu_time, keep_memory, on_threads, small_pages
+from ross_payload.interfaces import Scene
+from ross_payload.separation.refined import Refined
 
 FAULTS = """
 import resource
@@ -56,3 +61,102 @@ def test_no_huge_page_is_given_while_it_computes() -> None:
 def test_matrices_are_multiplied_on_one_thread() -> None:
     with computing():
         assert {pool["num_threads"] for pool in threadpool_info()} == {1}
+
+
+def test_every_part_is_computed_once_on_both_threads() -> None:
+    meet = threading.Barrier(2, timeout=10)
+    seen: list[tuple[int, str]] = []
+
+    def compute(part: int) -> None:
+        if part < 2:
+            meet.wait()  # the first two parts need two threads at once
+        seen.append((part, threading.current_thread().name))
+
+    with computing(threads=2):
+        on_threads(compute, range(20))
+    assert sorted(part for part, _ in seen) == list(range(20))
+    assert len({name for _, name in seen}) == 2
+
+
+def test_without_a_second_thread_parts_are_computed_one_after_the_other() -> None:
+    names: list[str] = []
+
+    def compute(part: int) -> None:
+        names.append(f"{part} {threading.current_thread().name}")
+
+    wanted = [f"{part} {threading.current_thread().name}" for part in range(3)]
+    on_threads(compute, range(3))
+    with computing(threads=1), computing(threads=2):  # the outer one decides
+        on_threads(compute, range(3))
+    assert names == 2 * wanted
+
+
+def test_another_thread_computes_alone() -> None:
+    names: set[str] = set()
+
+    def listen() -> None:
+        on_threads(lambda _: names.add(threading.current_thread().name), range(50))
+
+    with computing(threads=2):
+        listening = threading.Thread(target=listen, name="listening")
+        listening.start()
+        listening.join()
+    assert names == {"listening"}
+
+
+@pytest.mark.parametrize("fails", [0, 1, 7])
+def test_the_first_error_ends_it_and_is_raised(fails: int) -> None:
+    begun: list[int] = []
+
+    def compute(part: int) -> None:
+        begun.append(part)
+        if part == fails:
+            raise ZeroDivisionError
+        time.sleep(0.001)
+
+    with computing(threads=2), pytest.raises(ZeroDivisionError):
+        on_threads(compute, range(1000))
+    assert len(begun) < 100
+    after = len(begun)
+    time.sleep(0.02)
+    assert len(begun) == after
+
+
+def test_what_numpy_says_of_errors_is_the_same_on_both_threads() -> None:
+    meet, told = threading.Barrier(2, timeout=10), list[str]()
+
+    def compute(_: int) -> None:
+        meet.wait()
+        told.append(np.geterr()["divide"])
+
+    with computing(threads=2), np.errstate(divide="raise"):
+        on_threads(compute, range(2))
+    assert told == ["raise", "raise"]
+
+
+def test_the_time_of_the_second_thread_counts() -> None:
+    meet = threading.Barrier(2, timeout=10)
+
+    def compute(_: int) -> None:
+        meet.wait()
+        until = time.thread_time() + 0.05
+        while time.thread_time() < until:
+            pass
+
+    with computing(threads=2):
+        before = cpu_time()
+        on_threads(compute, range(2))
+    assert cpu_time() - before >= 0.1
+
+
+def test_two_threads_separate_to_the_last_bit_as_one_does() -> None:
+    rng = np.random.default_rng(3)
+    frequencies = np.arange(257) * 31.25
+    shape = (2, 257, 700)  # several parts of every loop
+    spectrogram = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
+    scene = Scene(frequencies, 0.05, 343.0, 2, tau=np.array([-1e-4, 1e-4]))
+    with computing(threads=1):
+        alone = Refined().batch(spectrogram, scene)
+    with computing(threads=2):
+        both = Refined().batch(spectrogram, scene)
+    np.testing.assert_array_equal(alone.signals, both.signals)

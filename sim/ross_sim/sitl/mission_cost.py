@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
+from ross_payload.computing import cpu_time
 from ross_payload.interfaces import Mission, Result
 
 
 @dataclass(slots=True)
 class Cost:
-    """CPU time of a mission on its thread [s]: exploring, deciding, separating, comparing voices."""
+    """CPU time of a mission on its threads [s]: exploring, deciding, separating, comparing voices."""
 
     seconds: float = 0.0
 
@@ -31,15 +31,15 @@ class Cost:
         ('hop', True)
         """
         try:
-            began = time.thread_time()
+            began = cpu_time()
             output = next(mission)
             while True:
-                self.seconds += time.thread_time() - began
+                self.seconds += cpu_time() - began
                 hop = yield output
-                began = time.thread_time()
+                began = cpu_time()
                 output = mission.send(hop)
         except StopIteration as end:
-            self.seconds += time.thread_time() - began
+            self.seconds += cpu_time() - began
             result: Result = end.value
             return result
         finally:

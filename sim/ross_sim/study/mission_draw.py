@@ -7,6 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ross_payload import __version__
+from ross_payload.computing import computing
 from ross_payload.errors import RossError
 from ross_payload.voiceprint import enrol
 from ross_payload.voiceprint.model_folder import ModelFolder
@@ -38,15 +39,16 @@ def attempt_draw(task: MissionTask, study: MissionStudy, speech: Path | None) ->
 
 
 def fly(task: MissionTask, study: MissionStudy, speech: Path | None) -> MissionResult:
-    """Fly the missions of a draw, one for every target.
+    """Fly the missions of a draw, one for every target, on one thread: draws have the other cores.
 
     The impulse responses of a room that is drawn serve no other draw: they are kept until both missions are over.
     """
     rate = scenario_of(task.scenario, study.settings).payload.audio.rate_hz
     staging = staged(study, task, voices_at(speech, rate))
     if study.places == "written":
-        return MissionResult(task.id, tuple(_mission(task, study, staging, target) for target in study.targets))
-    with TemporaryDirectory(prefix="ross-rooms-") as cache:
+        with computing(threads=1):
+            return MissionResult(task.id, tuple(_mission(task, study, staging, target) for target in study.targets))
+    with TemporaryDirectory(prefix="ross-rooms-") as cache, computing(threads=1):
         rows = [_mission(task, study, staging, target, Path(cache)) for target in study.targets]
     return MissionResult(task.id, tuple(rows))
 
