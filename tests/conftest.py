@@ -26,6 +26,7 @@ USUAL = "not hardware and not soak"  # what runs unless -m is given, see pyproje
 def pytest_addoption(parser):
     parser.addoption("--actuator", metavar="FILE", help="Hold a real device to the contract: a payload's TOML file.")
     parser.addoption("--audio-source", metavar="NAME:ADDRESS", help="Hold this source of live sound to the contract.")
+    parser.addoption("--rows", metavar="FOLDER", help="Where soak tests write what they measured, as rows of tables.")
     parser.addoption("--actuator-kind", metavar="NAME", help="Hold this back end and its far end to the contract.")
 
 

@@ -6,6 +6,7 @@ The move is then lost, and says so. A busy loop takes a whole core with the prio
 import pytest
 
 from pulse_rig import HOME, REARM, SEPARATING, Rig, busy_loops, noise_file
+from ross_sim.study.promptness_rows import PulseRow
 
 pytestmark = pytest.mark.alone
 ACCEPTED = 0  # MAV_RESULT
@@ -37,6 +38,14 @@ PRIORITIES = {
     "all round robin": ("-c", ROUND_ROBIN),
     "separating, urgent pump": ("-c", SEPARATING),
     "separating, urgent pump, Nice=-10": ("-c", f"import os\nos.nice(-10)\n{SEPARATING}"),
+}
+SAID = {
+    "no rights": "ordinary: no right to real-time priority (`ulimit -r` says 0)",
+    "urgent pump": "the pump in real time, as the service's unit allows it (`LimitRTPRIO=20`)",
+    "urgent pump, Nice=-10": "the same, and `Nice=-10`",
+    "all round robin": "all threads in real time (round robin)",
+    "separating, urgent pump": "the pump in real time, a thread separates without a pause",
+    "separating, urgent pump, Nice=-10": "the same, and `Nice=-10`, a thread separates without a pause",
 }
 SOUND = ("urgent pump", "urgent pump, Nice=-10", "all round robin")  # what 40 ms is good for
 CASES = [
@@ -92,10 +101,13 @@ def lost(payload, moves):
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize(("priority", "ahead_ms", "moves"), CASES)
-def test_moves_beside_two_busy_loops_are_counted(rig, capsys, priority, ahead_ms, moves):
+@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case[0]}, {case[1]} ms")
+def test_moves_beside_two_busy_loops_are_counted(rig, written, capsys, case):
+    priority, ahead_ms, moves = case
     with rig(priority, ahead_ms) as payload, busy_loops():
-        count = lost(payload, moves)
+        each = [lost(payload, 1) == 1 for _ in range(moves)]
+    written("pulses.csv", [PulseRow(SAID[priority], ahead_ms, move, gone) for move, gone in enumerate(each)])
+    count = sum(each)
     with capsys.disabled():
         print(f"{ahead_ms} ms ahead, {priority}: {count} of {moves} moves lost")  # noqa: T201
     if priority in SOUND:

@@ -22,6 +22,7 @@ from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault
 from ross_payload.interfaces import Services
 from ross_sim.clock import SimClock
+from ross_sim.study.promptness_rows import StopRow
 from waiting import wait_for
 
 pytestmark = pytest.mark.alone
@@ -29,7 +30,11 @@ WANTED = 0.050  # [s]
 BESIDE = 0.050  # [s] that two busy loops may add
 BUSY_COMPUTER = 0.150  # [s] that the test grants a computer which does much else
 ACCEPTED = 0  # MAV_RESULT
-ENDS = {signal.SIGTERM: "SIGTERM", signal.SIGUSR1: "a call of the pump dies"}  # in a process that breaks on request
+COMMANDS = {STOP: "`MAV_CMD_ROSS_STOP` over UDP", CANCEL: "`MAV_CMD_ROSS_CANCEL` over UDP"}
+ENDS = {
+    signal.SIGTERM: "SIGTERM",
+    signal.SIGUSR1: "a periodic call of the pump raises",
+}  # in a process that breaks on request
 RATE = 16000
 SECONDS = 600  # of noise that the payload hears
 STREAM = """
@@ -92,19 +97,28 @@ def rig(noise, tmp_path, process, ground_station, free_port):
 
 
 @pytest.fixture
-def judge(capsys):
-    """Print the figures [ms] of what did not run out, and hold them against what is wanted."""
+def judge(capsys, written):
+    """Print the figures [ms] of what did not run out, keep them, and hold them against what is wanted."""
 
-    def look(latencies, what):
+    def look(latencies, what, beside, moments):
+        written("stops.csv", rows_of(what, beside, moments, latencies))
         whole = np.array([latency for latency in latencies if latency is not None])
         median, high, most = np.percentile(whole, [50, 95, 100]) * 1e3
         with capsys.disabled():
             count = f"{whole.size} of {len(latencies)}"
-            print(f"{what}: {count}, median {median:.1f}, p95 {high:.1f}, max {most:.1f} ms")  # noqa: T201
+            print(f"{what}, beside {beside}: {count}, median {median:.1f}, p95 {high:.1f}, max {most:.1f} ms")  # noqa: T201
         assert most < WANTED * 1e3
         assert whole.size > 0.9 * len(latencies)
 
     return look
+
+
+def rows_of(stop, beside, moments, latencies, *, answers=None, ahead_ms=40):
+    """What was measured, in ms."""
+    told = [None] * len(latencies) if answers is None else [round(answer * 1e3, 3) for answer in answers]
+    found = [None if latency is None else round(latency * 1e3, 3) for latency in latencies]
+    each = zip(moments, found, told, strict=True)
+    return [StopRow(stop, beside, ahead_ms, round(float(after), 3), late, answer) for after, late, answer in each]
 
 
 def test_a_command_decelerates_soon(rig):
@@ -184,9 +198,13 @@ def test_20_stops_beside_two_busy_loops_with_and_without_three_listeners(rig, li
 
 @pytest.mark.soak
 @pytest.mark.parametrize("ahead_ms", [40, 100])
-def test_76_stops_beside_two_busy_loops_are_accepted_and_decelerate(rig, capsys, ahead_ms):
+def test_76_stops_beside_two_busy_loops_are_accepted_and_decelerate(rig, written, capsys, ahead_ms):
+    moments = np.random.default_rng(5).uniform(0.1, 0.7, 76)
     with rig(ahead_ms=ahead_ms) as payload, busy_loops():
-        answers, latencies = acknowledged_stops(payload, np.random.default_rng(5).uniform(0.1, 0.7, 76))
+        answers, latencies = acknowledged_stops(payload, moments)
+    written(
+        "stops.csv", rows_of(COMMANDS[STOP], "two busy loops", moments, latencies, answers=answers, ahead_ms=ahead_ms)
+    )
     whole = np.array([latency for latency in latencies if latency is not None])
     with capsys.disabled():
         for name, times in (("accepted", np.array(answers)), ("braking", whole)):
@@ -252,20 +270,22 @@ def stopped_by_a_thread(moments):
 @pytest.mark.parametrize("before", [("-m", "ross_payload.cli"), ("-c", SEPARATING)], ids=["idle", "separating"])
 @pytest.mark.parametrize("command", [STOP, CANCEL])
 def test_fifty_commands_decelerate_within_50_ms(rig, command, before, judge):
-    latencies = []
+    latencies, moments = [], np.random.default_rng(1).uniform(0.1, 0.7, 50)
     with rig(before) as payload:
-        for after in np.random.default_rng(1).uniform(0.1, 0.7, 50):
+        for after in moments:
             payload.turn(after)
             latencies.append(payload.latency(lambda: payload.ground.command(command)))
-    judge(latencies, f"command {command}, {'separating' if before[0] == '-c' else 'idle'}")
+    judge(latencies, COMMANDS[command], "a separation without a pause" if before[0] == "-c" else "nothing", moments)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("number", ENDS, ids=ENDS.get)
 def test_thirty_ends_of_a_process_decelerate_within_50_ms(rig, judge, number):
-    judge([ended(rig, number, after) for after in np.random.default_rng(2).uniform(0.1, 0.7, 30)], ENDS[number])
+    moments = np.random.default_rng(2).uniform(0.1, 0.7, 30)
+    judge([ended(rig, number, after) for after in moments], ENDS[number], "nothing", moments)
 
 
 @pytest.mark.soak
 def test_fifty_stops_by_another_thread_decelerate_within_50_ms(judge):
-    judge(stopped_by_a_thread(np.random.default_rng(3).uniform(0.1, 1.1, 50)), "guard.stop()")
+    moments = np.random.default_rng(3).uniform(0.1, 1.1, 50)
+    judge(stopped_by_a_thread(moments), "`Guard.stop` on another thread", "nothing", moments)

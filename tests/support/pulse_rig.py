@@ -35,6 +35,7 @@ SEPARATING = """
 import threading
 import numpy as np
 from ross_payload import cli, plugins
+from ross_payload.computing import computing
 from ross_payload.dsp.stft import Stft
 from ross_payload.interfaces import Scene
 
@@ -42,9 +43,10 @@ stft = Stft(16000, 2048, 512)
 heard = stft.analyse(np.random.default_rng(0).laplace(size=(2, 160000)).astype(np.float32))
 scene = Scene(stft.frequencies, 0.05, 343.0, 3, np.array([1e-4, -1e-4, 0.0]), None)
 separator = plugins.load("ross_payload.separators", "auto")
-def separate():
-    while True:
-        separator.batch(heard, scene)
+def separate():  # as a mission does, without a pause
+    with computing():
+        while True:
+            separator.batch(heard, scene)
 threading.Thread(target=separate, daemon=True).start()
 cli.main()
 """

@@ -68,6 +68,7 @@ class Finished:
     result: Result
     report: dict[str, Any]
     timing: dict[str, float]
+    cost: Cost  # of the payload's hearing and deciding
     complaints: tuple[str, ...]  # of the simulated hardware
 
 
@@ -120,7 +121,7 @@ def perform(
             draw(path, story, truth)
         timing["results_s"] = wall.now() - done
         out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
-    return Finished(result, values, timing, tuple(complaints))
+    return Finished(result, values, timing, staged.cost, tuple(complaints))
 
 
 @dataclass(frozen=True, slots=True)

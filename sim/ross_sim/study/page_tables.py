@@ -35,12 +35,14 @@ from ross_sim.study.elevation_rows import ElevationRow, below
 from ross_sim.study.exploration_ends import EndRow, end_rows
 from ross_sim.study.exploration_tables import counts, finds, reliability
 from ross_sim.study.heading_rows import HeadingRow, headings
+from ross_sim.study.headroom_rows import HeadroomRow, headroom
 from ross_sim.study.layout_gains import GainRow, gain_rows
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
 from ross_sim.study.motion_rows import MotionRow, motions
 from ross_sim.study.moving_rows import MovingRow, moving
 from ross_sim.study.noise_rows import NoiseRow, noises
+from ross_sim.study.promptness_rows import PulseRow, StopRow, answers, pulses, stops
 from ross_sim.study.resting_rows import RestingRow, resting
 from ross_sim.study.result_rows import Exploration, Separation
 from ross_sim.study.row_files import read_rows
@@ -89,6 +91,9 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
     HeadingRow: _bodies({"headings": headings}),
     CostRow: _bodies({"costs": costs, "growth": growth}),
     VoicePrintRow: _bodies({"voice-prints": voice_prints}),
+    HeadroomRow: _bodies({"headroom": headroom}),
+    StopRow: _bodies({"stops": stops, "answers": answers}),
+    PulseRow: _bodies({"pulses": pulses}),
     live_tables.Row: {"live": live_tables.tables},
     BenchmarkSeparation: _bodies({"benchmark-separation": separation_table}),
     BenchmarkLocalization: _bodies({"benchmark-localization": localization_table}),
