@@ -112,6 +112,21 @@ def own_folders(tmp_path_factory):
     patch.undo()
 
 
+@pytest.fixture(scope="session")
+def written(pytestconfig):
+    """Write rows into a file of the folder ``--rows``, with those of the same name before; without it write nothing."""
+    from ross_sim.study.row_files import as_csv
+
+    target, known = pytestconfig.getoption("--rows"), {}
+
+    def write(name, rows):
+        known.setdefault(name, []).extend(rows)
+        if target is not None:
+            Path(target, name).write_bytes(as_csv(known[name], type(known[name][0])))
+
+    return write
+
+
 @pytest.fixture
 def speech():
     """The folder of recorded talkers, which is not in the repository."""

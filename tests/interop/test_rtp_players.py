@@ -9,6 +9,7 @@ import pytest
 from lossy_network import voiced
 from ports import free_port
 from ross_payload.audio.sinks import info_of
+from ross_sim.study.rtp_rows import PlayerRow
 from rtp_players import Player, delay_of, ffmpeg, found_in, gstreamer, in_use
 from voice_sender import RATE, opened, talking
 from waiting import wait_for
@@ -18,6 +19,7 @@ VOICE = voiced(30.0, RATE) + 0.01 * np.random.default_rng(1).standard_normal(30 
 SECONDS = 2.0  # that are played
 
 
+SAID = {ffmpeg: "ffmpeg", gstreamer: "GStreamer, jitter buffer of 60 ms"}
 CASES = [(player, codec) for player in (ffmpeg, gstreamer) for codec in ("opus", "L16")]
 
 
@@ -42,13 +44,13 @@ def heard(tmp_path_factory):
 
 
 @pytest.mark.parametrize(("player", "codec"), CASES, ids=[f"{player.__name__}-{codec}" for player, codec in CASES])
-def test_a_player_of_others_plays_it_at_once(heard, player, codec):
+def test_a_player_of_others_plays_it_at_once(heard, player, codec, written):
     command = player("voice.sdp", 0, codec)[0]
     if (player, codec) not in heard:
         pytest.skip(f"{command} is missing; see tests/support/debian_packages.sh")
     began, samples, times, counts = heard[player, codec]
     place, quality = found_in(VOICE, samples)
     delay = delay_of(place, began, samples, times, counts)
-    print(f"{command} {codec}: {quality:.1f} dB, {1000 * delay:.0f} ms after the microphone")  # noqa: T201 - the figure
+    written("rtp-players.csv", [PlayerRow(SAID[player], codec, round(1000 * delay, 1), round(float(quality), 3))])
     assert quality > {"opus": 10, "L16": 60}[codec]
     assert -0.03 < delay < 0.4

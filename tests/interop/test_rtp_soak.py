@@ -1,4 +1,4 @@
-"""RTP at length: recorded voices through bad networks, and an hour of it; prints the figures of measured-live.md."""
+"""RTP at length: recorded voices through bad networks, and an hour of it; the rows of measured-live.md."""
 
 import gc
 import tracemalloc
@@ -11,6 +11,7 @@ from ross_payload.audio.sinks.rtp_sender import RtpSender
 from ross_payload.interfaces import VoiceBlock
 from ross_payload.transport.rtp.receiver import RtpReceiver
 from ross_payload.transport.rtp.session_description import Media
+from ross_sim.study.rtp_rows import NetworkRow
 from ross_sim.talkers.speech import load_folder
 
 RATE = 16000
@@ -20,8 +21,8 @@ NETWORKS = {
     "ideal": Network(),
     "50 ms of jitter": Network(jitter=0.05),
     "5 % lost, 50 ms of jitter": Network(loss=0.05, jitter=0.05),
-    "the same, round trip 100 ms": Network(loss=0.05, jitter=0.05, delay=0.05),
-    "the same, nothing sent once more": Network(loss=0.05, jitter=0.05, answers=False),
+    "the same, 100 ms for the round trip": Network(loss=0.05, jitter=0.05, delay=0.05),
+    "5 % lost, 50 ms of jitter, nothing sent once more": Network(loss=0.05, jitter=0.05, answers=False),
 }
 
 
@@ -32,19 +33,21 @@ def spoken(speech):
 
 @pytest.mark.soak
 @pytest.mark.parametrize("codec", ["opus", "L16"])
-def test_a_bad_network_costs_little(speech, codec):
+def test_a_bad_network_costs_little(speech, codec, written):
     voice = spoken(speech)
     noise = np.random.default_rng(0).standard_normal(len(voice))
     separated = voice + 10 ** (-SEPARATED_DB / 20) * np.std(voice) * noise
-    figures = {}
+    figures, rows = {}, []
     for name, network in NETWORKS.items():
         for delay in (0.0, 0.2):
             out = heard(separated, RATE, codec, network, delay_s=delay)
             quality = compared(voice, out.samples, RATE, after=5.0)[1] if delay else np.nan  # adapting shifts time
             made_up = out.reception.concealed_s / SECONDS
             figures[name, delay] = quality, made_up
-            told = f"{100 * made_up:.2f} % made up, {1000 * np.median(out.total_delays):.0f} ms"
-            print(f"{codec}, {name}, {delay or 'adaptive'}: {quality:.1f} dB, {told}")  # noqa: T201
+            late, known = round(1000 * float(np.median(out.total_delays)), 1), round(quality, 3) if delay else None
+            rows.append(NetworkRow(name, codec, 1000 * delay or None, known, round(100 * made_up, 4), late))
+            print(rows[-1])  # noqa: T201
+    written("rtp-networks.csv", rows)
     clean, lossy = figures["ideal", 0.2], figures["5 % lost, 50 ms of jitter", 0.2]
     assert clean[0] - lossy[0] < 1.0
     assert lossy[1] < 0.01

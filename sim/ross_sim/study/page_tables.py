@@ -46,6 +46,7 @@ from ross_sim.study.promptness_rows import PulseRow, StopRow, answers, pulses, s
 from ross_sim.study.resting_rows import RestingRow, resting
 from ross_sim.study.result_rows import Exploration, Separation
 from ross_sim.study.row_files import read_rows
+from ross_sim.study.rtp_rows import NetworkRow, PlayerRow, networks, players
 from ross_sim.study.separation_tables import gains, losses
 from ross_sim.study.study_design import STOP
 from ross_sim.study.tables import Table
@@ -92,6 +93,8 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
     CostRow: _bodies({"costs": costs, "growth": growth}),
     VoicePrintRow: _bodies({"voice-prints": voice_prints}),
     HeadroomRow: _bodies({"headroom": headroom}),
+    PlayerRow: _bodies({"players": players}),
+    NetworkRow: _bodies({"networks": networks}),
     StopRow: _bodies({"stops": stops, "answers": answers}),
     PulseRow: _bodies({"pulses": pulses}),
     live_tables.Row: {"live": live_tables.tables},
