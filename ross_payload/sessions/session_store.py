@@ -158,7 +158,9 @@ class SessionStore:
             now = _now(self.folder)
             old = [one for one in kept if one.modified > SET and now - one.modified > limits.max_days * DAY]
         else:
-            old = [one for one in kept if not one.running and now - _begun(one, stamp) > limits.max_days * DAY]
+            old = [
+                one for one in kept if not one.running and now - _start_time(one, now, stamp) > limits.max_days * DAY
+            ]
         for session in [one for one in old if not one.running]:
             kept.remove(session)
             self.delete(session)
@@ -230,19 +232,23 @@ def _locked(path: Path) -> bool:
         os.close(handle)
 
 
-def _begun(session: StoredSession, stamp: str) -> float:
-    """When a session began [s] since 1970; one of which that is not known is dated now, by ``stamp``."""
+def _start_time(session: StoredSession, now: float, stamp: str) -> float:
+    """When a session began [s] since 1970; one of which that is not known is dated ``now``, whose stamp is kept."""
     named = NAME.fullmatch(session.path.name)
-    begun = _time(named[2][1:]) if named and named[2] else None
-    if begun is None:
-        try:
-            begun = _time(read_bounded(session.path / DATED).decode())
-        except (OSError, ValueError):  # not there, or spoilt
-            begun = None
-    if begun is None:
+    start = _time((named[2] or "")[1:]) if named else None
+    if start is None:
+        start = _time(_kept_stamp(session.path))
+    if start is None:
         write_whole(session.path / DATED, stamp.encode())
-        begun = _time(stamp)
-    return begun or 0.0
+        return now
+    return start
+
+
+def _kept_stamp(folder: Path) -> str:
+    try:
+        return read_bounded(folder / DATED).decode()
+    except (OSError, ValueError):  # not there, or spoilt
+        return ""
 
 
 def _time(stamp: str) -> float | None:
