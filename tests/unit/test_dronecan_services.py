@@ -22,7 +22,7 @@ from ross_protocols.dronecan.services import (
     TransportStats,
     TransportStatsRequest,
 )
-from ross_protocols.dronecan.transfer import MOST_BEGUN, ROOM, Header, Joiner, split
+from ross_protocols.dronecan.transfer import MOST_PARTIAL, ROOM, Header, Reassembler, split
 
 UNIQUE = bytes(range(100, 116))
 STATUS = NodeStatus(86400, Health.WARNING, Mode.MAINTENANCE, 513)
@@ -99,8 +99,8 @@ def test_an_identifier_tells_what_it_was_made_of(header):
 
 def test_the_tail_tells_the_transfer_and_an_old_one_never_completes_a_new_one():
     one, two = (split(7, bytes(20), 1, n) for n in (3, 4))
-    joiner = Joiner()
-    assert [joiner.feed(frame, 1) for frame in [*one[:-1], *two]][-1].transfer == 4
+    reassembler = Reassembler()
+    assert [reassembler.feed(frame, 1) for frame in [*one[:-1], *two]][-1].transfer == 4
 
 
 def test_every_flipped_bit_of_a_long_transfer_is_noticed():
@@ -109,18 +109,18 @@ def test_every_flipped_bit_of_a_long_transfer_is_noticed():
         for bit in range(8 * len(frame.data)):
             number = int.from_bytes(frame.data, "big") ^ 1 << bit
             broken = CanFrame(7, number.to_bytes(len(frame.data), "big"))
-            joiner = Joiner()
-            wholes = [joiner.feed(each, 0x1234) for each in [*frames[:n], broken, *frames[n + 1 :]]]
+            reassembler = Reassembler()
+            wholes = [reassembler.feed(each, 0x1234) for each in [*frames[:n], broken, *frames[n + 1 :]]]
             assert not any(whole is not None and len(whole.payload) > ROOM for whole in wholes)
 
 
 def test_transfers_that_never_end_do_not_pile_up():
-    joiner = Joiner()
-    for identifier in range(3 * MOST_BEGUN):
-        joiner.feed(CanFrame(identifier, bytes(7) + b"\x80"), 0)
-    assert len(joiner._begun) <= MOST_BEGUN
+    reassembler = Reassembler()
+    for identifier in range(3 * MOST_PARTIAL):
+        reassembler.feed(CanFrame(identifier, bytes(7) + b"\x80"), 0)
+    assert len(reassembler._partial) <= MOST_PARTIAL
     endless = [CanFrame(1, bytes(7) + bytes([0x80 * (n == 0) | 0x20 * (n % 2)])) for n in range(9999)]
-    assert not any(joiner.feed(frame, 0) for frame in endless)
+    assert not any(reassembler.feed(frame, 0) for frame in endless)
 
 
 @given(some.sampled_from([*REQUESTS, *RESPONSES, *BROADCASTS]), some.binary(max_size=300))
@@ -204,8 +204,8 @@ def test_the_package_understands_an_anonymous_request(dronecan):
 
 
 def test_random_frames_raise_nothing():
-    chance, joiner = random.Random(1), Joiner()  # noqa: S311
+    chance, reassembler = random.Random(1), Reassembler()  # noqa: S311
     for _ in range(20_000):
         frame = CanFrame(chance.randrange(2**29), chance.randbytes(chance.randrange(9)))
         Header.of(frame.id)
-        joiner.feed(frame, 0)
+        reassembler.feed(frame, 0)

@@ -12,7 +12,7 @@ from ross_protocols.dronecan import messages, services
 from ross_protocols.dronecan.gimbal_messages import AngularCommand, GimbalStatus
 from ross_protocols.dronecan.params import GetSetRequest, GetSetResponse, OpcodeRequest, OpcodeResponse
 from ross_protocols.dronecan.ross_types import RossSources, RossStatus
-from ross_protocols.dronecan.transfer import REQUEST, SERVICE, Header, Joiner, split
+from ross_protocols.dronecan.transfer import REQUEST, SERVICE, Header, Reassembler, split
 
 PRIORITY = 20  # of a request
 
@@ -83,12 +83,12 @@ class Decoder:
 
     def __init__(self, node: int) -> None:
         self._node = node  # 0: has no id, so that nobody calls it
-        self._joiner = Joiner()
+        self._reassembler = Reassembler()
 
     @property
     def broken(self) -> Counter[int]:
         """Transfers that came damaged or in part, by node."""
-        return self._joiner.broken
+        return self._reassembler.broken
 
     def feed(self, frame: CanFrame) -> messages.Received | Call | Reply | None:
         """Return what this frame completes."""
@@ -102,7 +102,7 @@ class Decoder:
     def _broadcast(self, frame: CanFrame) -> messages.Received | None:
         source = frame.id & 0x7F
         kind: Any = BROADCASTS.get(frame.id >> 8 & (0xFFFF if source else 3))
-        whole = None if kind is None else self._joiner.feed(frame, kind.SEED)
+        whole = None if kind is None else self._reassembler.feed(frame, kind.SEED)
         if whole is None:
             return None
         return messages.Received(source, kind.unpack(whole.payload), whole.transfer)
@@ -112,7 +112,7 @@ class Decoder:
             return None
         asked = bool(frame.id & REQUEST)
         kind: Any = (REQUESTS if asked else RESPONSES).get(frame.id >> 16 & 0xFF)
-        whole = None if kind is None else self._joiner.feed(frame, kind.SEED)
+        whole = None if kind is None else self._reassembler.feed(frame, kind.SEED)
         if whole is None:
             return None
         header, said = Header.of(frame.id), kind.unpack(whole.payload)

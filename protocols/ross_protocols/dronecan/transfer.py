@@ -14,7 +14,7 @@ START, END, TOGGLE, COUNT = 0x80, 0x40, 0x20, 0x1F  # of a tail byte
 ROOM = MOST_DATA - 1  # for the payload of a frame [bytes]
 MOST_PAYLOAD = 1024  # of a transfer that is read [bytes]
 NOTHING = -1  # has begun
-MOST_BEGUN = 256  # transfers that are not whole yet
+MOST_PARTIAL = 256  # transfers that are not whole yet
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,26 +71,26 @@ def split(identifier: int, payload: bytes, seed: int, transfer: int) -> list[Can
 
 
 @dataclass(frozen=True, slots=True)
-class Whole:
+class Transfer:
     """The payload of a transfer that has arrived as it was sent."""
 
     payload: bytes
     transfer: int  # 0 to 31
 
 
-class Joiner:
-    """Puts frames together; what is broken is dropped and counted. The caller knows which types there are."""
+class Reassembler:
+    """Reassembles transfers from frames; drops and counts broken ones. The caller knows which types there are."""
 
     def __init__(self) -> None:
         self.broken: Counter[int] = Counter()  # transfers that came damaged or in part, by source
-        self._begun: dict[int, tuple[int, bytes]] = {}  # by identifier: the tail wanted next, the data so far
+        self._partial: dict[int, tuple[int, bytes]] = {}  # by identifier: the tail wanted next, the data so far
 
-    def feed(self, frame: CanFrame, seed: int) -> Whole | None:
+    def feed(self, frame: CanFrame, seed: int) -> Transfer | None:
         """Return the transfer that this frame completes; ``seed`` is that of its type."""
         if not frame.data:
             return None
         data, tail, source = frame.data[:-1], frame.data[-1], frame.id & 0x7F
-        wanted, before = self._begun.pop(frame.id, (NOTHING, b""))
+        wanted, before = self._partial.pop(frame.id, (NOTHING, b""))
         if tail & START:
             self.broken[source] += wanted != NOTHING
             wanted, before = tail & COUNT, b""
@@ -100,14 +100,14 @@ class Joiner:
         elif not tail & END:
             self._begin(frame.id, wanted ^ TOGGLE, whole)
         elif tail & START:
-            return Whole(whole, tail & COUNT)
+            return Transfer(whole, tail & COUNT)
         elif crc_hqx(whole[2:], seed) == int.from_bytes(whole[:2], "little"):
-            return Whole(whole[2:], tail & COUNT)
+            return Transfer(whole[2:], tail & COUNT)
         else:
             self.broken[source] += 1
         return None
 
     def _begin(self, identifier: int, tail: int, whole: bytes) -> None:
-        self._begun[identifier] = tail, whole
-        if len(self._begun) > MOST_BEGUN:
-            del self._begun[next(iter(self._begun))]
+        self._partial[identifier] = tail, whole
+        if len(self._partial) > MOST_PARTIAL:
+            del self._partial[next(iter(self._partial))]

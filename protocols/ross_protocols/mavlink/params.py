@@ -65,7 +65,7 @@ class SetRequest:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class ParamValue:
     """PARAM_VALUE: what one of ``count`` parameters is."""
 
     name: str
@@ -83,17 +83,17 @@ class Refused:
     error: int  # MAV_PARAM_ERROR
 
 
-def answer_of(message: Any) -> Told | Refused | None:
+def answer_of(message: Any) -> ParamValue | Refused | None:
     """Return what a message answers about parameters; None: nothing.
 
     >>> answer_of(value_message("EXP_UNIT", 2.3, 4, 30))
-    Told(name='EXP_UNIT', value=2.3, index=4, count=30)
+    ParamValue(name='EXP_UNIT', value=2.3, index=4, count=30)
     """
     number = message.get_msgId()
     if number == common.MAVLINK_MSG_ID_PARAM_VALUE:
         value = number_meant(message.param_value, message.param_type)
         index = None if message.param_index == NO_INDEX else message.param_index
-        return Told(_name(message.param_id), value, index, message.param_count)
+        return ParamValue(_name(message.param_id), value, index, message.param_count)
     if number == common.MAVLINK_MSG_ID_PARAM_ERROR:
         return Refused(target_of(message), _name(message.param_id), message.error)
     return None

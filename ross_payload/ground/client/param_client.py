@@ -136,7 +136,7 @@ class ParamClient:
             return
         self._metadata.on_packet(packet, now)
         answer = params.answer_of(packet.message)
-        if isinstance(answer, params.Told):
+        if isinstance(answer, params.ParamValue):
             self._on_value(answer)
         elif isinstance(answer, params.Refused):
             ours = answer.target.includes(self._us)
@@ -171,7 +171,7 @@ class ParamClient:
             self._give(params.read_message(index, self.who), self.who)
         self._due = self._now + ANSWER_TIMEOUT_S
 
-    def _on_value(self, answer: params.Told) -> None:
+    def _on_value(self, answer: params.ParamValue) -> None:
         named = answer.name.isascii() and answer.name.isprintable() and answer.name != ""
         if not math.isfinite(answer.value) or not named:
             self.note = "a parameter was left out: invalid value or name"
