@@ -40,10 +40,10 @@ class Beliefs:
 def worth(beliefs: Beliefs, source: int, headings: Real) -> Real:
     """What every heading [rad] is worth for a source [dB], (n_headings,): predicted gain, and what it tells."""
     gains = [_gain(phasors(way) * beliefs.elevations, source, headings, beliefs.directness) for way in beliefs.ways]
-    return np.asarray(beliefs.odds @ np.array(gains) + told(beliefs, headings))
+    return np.asarray(beliefs.odds @ np.array(gains) + resolving_value(beliefs, headings))
 
 
-def told(beliefs: Beliefs, headings: Real) -> Real:
+def resolving_value(beliefs: Beliefs, headings: Real) -> Real:
     """What headings [rad] are worth because they tell where unclear sources are [dB], (n_headings,).
 
     Three things make a heading tell more: two ways in which all may be have other delays, whoever has them; a source

@@ -40,16 +40,16 @@ class Contradiction:
 
 
 def contradiction(
-    heard: Sequence[HeadingSpectrum], spacing: float, speed_of_sound: float, *, level: bool = True
+    spectra: Sequence[HeadingSpectrum], spacing: float, speed_of_sound: float, *, level: bool = True
 ) -> Contradiction:
     """Compare what was heard at the headings of an exploration with the configured spacing [m].
 
     Sources far above or below the array shorten all delays. Unless they are about ``level`` with it, a spacing that
     seems too small is not taken for wrong.
     """
-    if len(heard) < FEWEST:
+    if len(spectra) < FEWEST:
         return Contradiction()
-    turn = Turn.of(heard)
+    turn = Turn.of(spectra)
     if _inverted(turn, spacing, speed_of_sound):  # nothing else can be told
         return Contradiction(inverted=True)
     found = _spacing(turn, spacing, speed_of_sound)

@@ -37,7 +37,7 @@ class HeadingSpectrum:
     weight: Real  # share of the power that both have in common, 0 to 1, (n_freqs,)
     level_db: Real  # of microphone 2 over microphone 1 [dB], (n_freqs,)
     power_db: float  # mean of both in the band [dB re full scale]
-    heard: float  # mean of the shares that both have in common, near 0 when there is only noise of the microphones
+    coherence: float  # mean of the weights, near 0 when there is only noise of the microphones
     clipped: bool = False  # samples at full scale
 
 
@@ -64,7 +64,7 @@ def heading_spectrum(samples: Samples, rate: int, heading: float) -> HeadingSpec
         weight=np.where(first * second > 0, np.clip(common, 0.0, 1.0), 0.0),
         level_db=10 * np.log10((second + TINY) / (first + TINY)),
         power_db=10 * math.log10(power + TINY),
-        heard=float(common.mean()),
+        coherence=float(common.mean()),
         clipped=bool(np.abs(samples).max() >= FULL),
     )
 

@@ -60,7 +60,7 @@ class Calibration:
 
 
 def calibrate(
-    heard: Sequence[HeadingSpectrum],
+    spectra: Sequence[HeadingSpectrum],
     speed_of_sound: float,
     *,
     azimuth: float | None = None,
@@ -75,7 +75,7 @@ def calibrate(
 
     Parameters
     ----------
-    heard
+    spectra
         What was heard at every heading.
     speed_of_sound
         v_p [m/s].
@@ -91,7 +91,7 @@ def calibrate(
     NotCalibrated
         When the sound, the turn or the room does not allow it; one line.
     """
-    usable = _usable(heard)
+    usable = _usable(spectra)
     turn, span = Turn.of(usable), span_of([each.heading for each in usable])
     if span < SMALLEST:
         raise NotCalibrated(f"expected a turn of at least {_deg(SMALLEST)} deg, got {_deg(span)}")
@@ -139,23 +139,23 @@ def span_of(headings: Sequence[float]) -> float:
     return float(2 * np.pi if full else 2 * np.pi - gaps.max())
 
 
-def _usable(heard: Sequence[HeadingSpectrum]) -> list[HeadingSpectrum]:
+def _usable(spectra: Sequence[HeadingSpectrum]) -> list[HeadingSpectrum]:
     """Return the headings at which the sound was heard."""
-    if len(heard) < FEWEST:
+    if len(spectra) < FEWEST:
         raise NotCalibrated(
-            f"expected to listen at {FEWEST} headings at rest or more, for 0.5 s or more, got {len(heard)}"
+            f"expected to listen at {FEWEST} headings at rest or more, for 0.5 s or more, got {len(spectra)}"
         )
-    if any(each.clipped for each in heard):
-        count = sum(each.clipped for each in heard)
+    if any(each.clipped for each in spectra):
+        count = sum(each.clipped for each in spectra)
         raise NotCalibrated(
-            f"samples at full scale at {count} of {len(heard)} headings: turn the sound, or the gain, down"
+            f"samples at full scale at {count} of {len(spectra)} headings: turn the sound, or the gain, down"
         )
-    median = float(np.median([each.power_db for each in heard]))
-    usable = [each for each in heard if each.heard >= HEARD and each.power_db >= median - QUIETER_DB]
-    if len(usable) < max(FEWEST, STEADY * len(heard)):
+    median = float(np.median([each.power_db for each in spectra]))
+    usable = [each for each in spectra if each.coherence >= HEARD and each.power_db >= median - QUIETER_DB]
+    if len(usable) < max(FEWEST, STEADY * len(spectra)):
         raise NotCalibrated(
-            f"the sound is not steady or too soft: expected to hear it at {math.ceil(STEADY * len(heard))} of "
-            f"{len(heard)} headings or more, got {len(usable)}"
+            f"the sound is not steady or too soft: expected to hear it at {math.ceil(STEADY * len(spectra))} of "
+            f"{len(spectra)} headings or more, got {len(usable)}"
         )
     well = np.mean([each.weight for each in usable], axis=0) > WELL
     width = float(np.count_nonzero(well) * (usable[0].frequencies[1] - usable[0].frequencies[0]))
@@ -183,7 +183,7 @@ def _check_room(turn: Turn, found: TurnFit, speed_of_sound: float) -> None:
         )
 
 
-def _offset(heard: float, true: float | None) -> tuple[float | None, bool | None]:
+def _offset(measured: float, true: float | None) -> tuple[float | None, bool | None]:
     """Correction of the heading offset [rad] and whether the microphones are swapped; None when it cannot be told.
 
     >>> _offset(0.25, 0.5), _offset(0.5 + math.pi, 0.5), _offset(0.5, None)
@@ -191,7 +191,7 @@ def _offset(heard: float, true: float | None) -> tuple[float | None, bool | None
     """
     if true is None:
         return None, None
-    offset = wrap(true - heard)
+    offset = wrap(true - measured)
     swapped = abs(abs(offset) - math.pi) < SWAPPED
     return (wrap(offset + math.pi) if swapped else offset), swapped
 

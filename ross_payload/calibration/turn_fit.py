@@ -46,14 +46,14 @@ class Turn:
     level_db: Real  # (n_headings, n_freqs)
 
     @classmethod
-    def of(cls, heard: Sequence[HeadingSpectrum]) -> Turn:
+    def of(cls, spectra: Sequence[HeadingSpectrum]) -> Turn:
         """Put together what was heard at every heading."""
         return cls(
-            np.array([each.heading for each in heard]),
-            heard[0].frequencies,
-            np.stack([each.phase for each in heard]),
-            np.stack([each.weight for each in heard]),
-            np.stack([each.level_db for each in heard]),
+            np.array([each.heading for each in spectra]),
+            spectra[0].frequencies,
+            np.stack([each.phase for each in spectra]),
+            np.stack([each.weight for each in spectra]),
+            np.stack([each.level_db for each in spectra]),
         )
 
 
@@ -143,7 +143,7 @@ def _left_over(turn: Turn, found: TurnFit) -> Complex:
     model = _Model(turn, -1.0 if found.inverted else 1.0)
     best = np.array([np.cos(found.azimuth), np.sin(found.azimuth), 0.0]) * found.amplitude
     best[2] = found.delay
-    return np.asarray(turn.phase - model.told(best / SCALE))
+    return np.asarray(turn.phase - model.modelled(best / SCALE))
 
 
 def _search(turn: Turn, widest: float, *, free_delay: bool) -> tuple[Real, bool]:
@@ -183,16 +183,16 @@ class _Model:
         share = np.clip((damped * direct - both * same) / (total * damped - both**2), 0.0, 1.0)
         return share, (same - both * share) / damped, total
 
-    def told(self, at: Real) -> Complex:
+    def modelled(self, at: Real) -> Complex:
         """What the model says with its best shares, (n_headings, n_freqs)."""
         direct, diffuse, _ = self.shares(at)
-        told = direct[self.band] * self._wave(at) + diffuse[self.band]
-        return np.asarray(self.sign * np.exp(1j * self._omega * at[2]) * told)
+        modelled = direct[self.band] * self._wave(at) + diffuse[self.band]
+        return np.asarray(self.sign * np.exp(1j * self._omega * at[2]) * modelled)
 
     def misfits(self, at: Real, shares: tuple[Real, Real, Real]) -> Real:
         """Squared residuals at every heading with these shares, (n_headings,)."""
-        told = shares[0][self.band] * self._wave(at) + shares[1][self.band]
-        return np.asarray((self.turn.weight * np.abs(self._unshifted(at) - told) ** 2).sum(axis=1))
+        modelled = shares[0][self.band] * self._wave(at) + shares[1][self.band]
+        return np.asarray((self.turn.weight * np.abs(self._unshifted(at) - modelled) ** 2).sum(axis=1))
 
     def misfit(self, at: Real) -> float:
         """Squared residuals with the best shares, and the price of the share from all sides."""

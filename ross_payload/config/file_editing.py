@@ -57,7 +57,7 @@ def write_changes(path: Path, changes: Mapping[str, Any], model: type[Table]) ->
         after = read_toml(part)
         validated(model, after, str(path))
         if after != _with(before, changes):
-            raise ConfigError(f"{path}: its tables cannot be edited safely; change it by hand: {told(changes)}")
+            raise ConfigError(f"{path}: its tables cannot be edited safely; change it by hand: {as_toml(changes)}")
         shutil.copymode(file, part)
         with suppress(PermissionError):
             os.chown(part, file.stat().st_uid, file.stat().st_gid)
@@ -67,10 +67,10 @@ def write_changes(path: Path, changes: Mapping[str, Any], model: type[Table]) ->
     return kept
 
 
-def told(changes: Mapping[str, Any]) -> str:
+def as_toml(changes: Mapping[str, Any]) -> str:
     """Write keys and values as they stand in a file, with dots.
 
-    >>> told({"array.spacing_m": 0.064, "audio.invert": [False, True]})
+    >>> as_toml({"array.spacing_m": 0.064, "audio.invert": [False, True]})
     'array.spacing_m = 0.064, audio.invert = [false, true]'
     """
     return ", ".join(f"{key} = {str(value).lower()}" for key, value in changes.items())

@@ -133,7 +133,7 @@ class Mount(Table):
     )
 
     @model_validator(mode="after")
-    def _told(self) -> Mount:
+    def _height_is_known(self) -> Mount:
         if self.height_m == "autopilot" and self.source != "autopilot":
             raise ValueError("height_m = 'autopilot': expected source = 'autopilot' beside it, got 'fixed'")
         return self

@@ -55,14 +55,14 @@ def command(
 
     settings = load(config)
     try:
-        heard, earth = _heard(settings, **asked)
+        spectra, earth = _spectra(settings, **asked)
     except Stopped:
         click.echo("ross: stopped", err=True)
         return STOPPED
     array = settings.array
     true = None if azimuth is None else -math.radians(azimuth)
     found = calibrate(
-        heard,
+        spectra,
         array.speed_of_sound_m_s,
         azimuth=true,
         elevation=math.radians(elevation),
@@ -78,11 +78,11 @@ def command(
         kept = write_changes(config, wanted, Config)
         click.echo(f"written; the old file is {kept.name}", err=as_json)
     elif not as_json:
-        _tell(wanted)
+        _show_changes(wanted)
     return 0
 
 
-def _heard(config: Config, **asked: Any) -> tuple[list[HeadingSpectrum], bool]:
+def _spectra(config: Config, **asked: Any) -> tuple[list[HeadingSpectrum], bool]:
     """Return what was heard at every heading, from a recording or by turning, and whether in the earth frame."""
     from ross_payload.doctor.calibration_inputs import from_session, from_wav
     from ross_payload.doctor.calibration_session import TurnPlan, live
@@ -103,8 +103,8 @@ def _heard(config: Config, **asked: Any) -> tuple[list[HeadingSpectrum], bool]:
     return live(config, plan, lambda: asked["yes"] or click.confirm(question, err=True))
 
 
-def _tell(wanted: dict[str, Any]) -> None:
+def _show_changes(wanted: dict[str, Any]) -> None:
     """Say what `--write` would write."""
-    from ross_payload.config.file_editing import told
+    from ross_payload.config.file_editing import as_toml
 
-    click.echo(f"--write would set {told(wanted)}" if wanted else "the configuration agrees with what was heard")
+    click.echo(f"--write would set {as_toml(wanted)}" if wanted else "the configuration agrees with what was heard")

@@ -56,21 +56,21 @@ def rehearsed(config: Config, clock: Clock) -> Cost:
     settings = settings_of(config, -math.pi, math.pi)
     context = Context(settings, tools_of(config, None))
     estimate = Estimate(tuple(SourceEstimate(azimuth, 0.02, 1.0, resolved=True) for azimuth in AZIMUTHS))
-    heard = [_heard(config, settings, r) for r in range(settings.min_rotations + 1)]
+    orientations = [_listening(config, settings, r) for r in range(settings.min_rotations + 1)]
     long = Listening(0.0, voices(config, 0.0, settings.run))
     with computing():
         separate(context, estimate, Listening(0.0, long.samples[:, : config.audio.rate_hz // 2]))  # loads its tables
         began = clock.now()
-        for each in heard:
+        for each in orientations:
             context.observations.append(_observed(context, each))
             context.tools.explorer.estimate(context.observations)
         explored = clock.now()
         separate(context, estimate, long)
         separated = clock.now()
-    return Cost((explored - began) / (len(heard) * settings.unit), (separated - explored) / settings.run)
+    return Cost((explored - began) / (len(orientations) * settings.unit), (separated - explored) / settings.run)
 
 
-def _heard(config: Config, settings: Settings, number: int) -> Listening:
+def _listening(config: Config, settings: Settings, number: int) -> Listening:
     """What is heard at one orientation, or in a period in which the array turns: there every hop has its heading."""
     if not settings.periods:
         heading = number * settings.rotation
@@ -81,11 +81,11 @@ def _heard(config: Config, settings: Settings, number: int) -> Listening:
     return Listening(heading, voices(config, heading, settings.unit), turned / 2, headings)
 
 
-def _observed(context: Context, heard: Listening) -> Observation:
+def _observed(context: Context, listening: Listening) -> Observation:
     explorer = context.tools.turning
-    if explorer is None or heard.headings is None:
-        return observe(context, heard)
-    return observe_turned(context, explorer, Turned(heard.samples, heard.headings))
+    if explorer is None or listening.headings is None:
+        return observe(context, listening)
+    return observe_turned(context, explorer, Turned(listening.samples, listening.headings))
 
 
 def voices(config: Config, heading: float, seconds: float) -> Samples:

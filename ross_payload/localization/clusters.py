@@ -61,10 +61,10 @@ def best_cuts(line: Real, weights: Real, most: int) -> tuple[Real, list[list[int
     return np.array(least), found
 
 
-def k_means(angles: Real, weights: Real, price: float, most: int) -> list[Cluster]:
-    """Clusters of directions [rad], with the K that minimises inertia + ``price`` K, in ascending order.
+def k_means(angles: Real, weights: Real, penalty: float, most: int) -> list[Cluster]:
+    """Clusters of directions [rad], with the K that minimises inertia + ``penalty`` K, in ascending order.
 
-    ``price`` [rad^2, times weight] is the inertia that one more cluster must save.
+    ``penalty`` [rad^2, times weight] is the inertia that one more cluster must save.
 
     >>> found = k_means(np.deg2rad([179.0, -179.0, 10.0]), np.ones(3), 0.01, 5)
     >>> [round(float(np.rad2deg(cluster.mean))) % 360 for cluster in found]
@@ -74,7 +74,7 @@ def k_means(angles: Real, weights: Real, price: float, most: int) -> list[Cluste
         return []
     line, order = unwrapped(angles)
     inertia, starts = best_cuts(line, weights[order], most)
-    chosen = starts[int((inertia + price * np.arange(1, len(inertia) + 1)).argmin())]
+    chosen = starts[int((inertia + penalty * np.arange(1, len(inertia) + 1)).argmin())]
     ends = [*chosen[1:], len(line)]
     return [_cluster(line, weights[order], order, a, b) for a, b in zip(chosen, ends, strict=True)]
 

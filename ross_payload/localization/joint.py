@@ -1,8 +1,8 @@
 """All orientations at once: K and every azimuth from the ITD densities at all headings (`joint`).
 
-Histograms of trustworthy ITDs (`itd`) are explained as one mixture over all orientations (`mixture`) with as many
-sources as pay their price (`order`). Two histograms of every orientation serve two ends: the rich one, in which also
-the quiet talkers speak, tells how many there are; the strict one, of bins that belong to one talker, tells where.
+Histograms of trustworthy ITDs (`itd_votes`) are explained as one mixture over all orientations (`itd_mixture`), with as
+many sources as are worth their penalty (`model_order`). Every orientation has two histograms: the rich one, to which
+quiet talkers contribute as well, tells how many there are; the strict one, of bins of one talker alone, tells where.
 
 In the open, known by narrow kernels, an amplitude below 1 is the cosine of an elevation. In a reverberant room
 reflections lower it too, and no elevation is told. Where the height of the array is known (`below`), every amplitude
@@ -45,7 +45,7 @@ class Fit:
     """The mixture that was chosen."""
 
     step: model_order.Step
-    rival: float  # worth over price of the last source that was turned down
+    rival: float  # worth over penalty of the last source that was turned down
     likely: float  # probability that there are as many talkers as sources, or more
     more: float  # the largest such probability of the mixtures with more sources
     second: Fit | None = None  # the likeliest of those
@@ -55,7 +55,7 @@ class Fit:
 class Stop:
     """When enough has been heard."""
 
-    margin: float = 2.0  # every source is worth this many times its price, the last rival this many times less
+    margin: float = 2.0  # every source is worth this many times its penalty, the last rival this many times less
     doubt: float = 0.1  # largest probability that there are fewer talkers, and that there are more without a rival
     missed: float = 0.025  # largest probability that there are more: after the exploration nobody is looked for
     sigma: float = np.deg2rad(2.0)  # largest standard deviation [rad]
@@ -71,7 +71,7 @@ class Joint:
     speed_of_sound: float
     trust: Trust = STRICT
     strict: Trust = field(default_factory=lambda: Trust(neighbourhood=(3, 3), coherence=0.99))
-    price: model_order.Price = field(default_factory=model_order.Price)
+    penalty: model_order.Penalty = field(default_factory=model_order.Penalty)
     enough: Stop = field(default_factory=Stop)
     name: str = "joint"
 
@@ -123,11 +123,11 @@ class Joint:
         noise, period = None if noise_psd is None else noise_psd[band], period_of(frequencies, frame_period)
         return votes(spectrogram[:, band], frequencies[band], grid, trusts, period=period, noise=noise)
 
-    def _observation(self, heading: float, heard: Votes) -> Observation:
-        rich, grid = heard.whole, heard.grid
+    def _observation(self, heading: float, votes: Votes) -> Observation:
+        rich, grid = votes.whole, votes.grid
         density = kde(rich, grid, BANDWIDTH * self.spacing / self.speed_of_sound)
         peaks = prominent_peaks(density, grid)
-        return Observation(heading, grid, density, float(rich.sum()), peaks, heard.histograms())
+        return Observation(heading, grid, density, float(rich.sum()), peaks, votes.histograms())
 
     def estimate(self, observations: Sequence[Observation]) -> Estimate:
         """Estimate K and all azimuths from every orientation heard so far; see `interfaces.Explorer`."""
@@ -152,7 +152,7 @@ class Joint:
                 break
             second = _likelier(second, fit)
         azimuths = np.array([source.azimuth for source in believed.sources])
-        step = model_order.begun(evidence.rich, self.price, azimuths)
+        step = model_order.begun(evidence.rich, self.penalty, azimuths)
         likely = talker_evidence.likely(evidence, step, rival)
         return self._with_second(evidence, Fit(step, rival, likely, more), second)
 
@@ -160,7 +160,7 @@ class Joint:
         if not observations:
             return Estimate(())
         evidence = self.evidence(observations)
-        fit = self._counted(evidence) if known is None else self._told(evidence, known)
+        fit = self._counted(evidence) if known is None else self._of_order(evidence, known)
         if fit is None:
             return Estimate(())
         return self._with_second(evidence, fit, fit.second)
@@ -190,15 +190,15 @@ class Joint:
     def _fits(self, evidence: Evidence) -> Iterator[Fit]:
         """Mixtures of falling order, each with the probability that there are as many talkers."""
         rival, more = 0.0, 0.0
-        for step in model_order.steps(evidence.rich, self.price):
+        for step in model_order.steps(evidence.rich, self.penalty):
             if step.possible:
                 likely = talker_evidence.likely(evidence, step, rival)
                 yield Fit(step, rival, likely, more)
                 rival, more = float(step.worth[step.least]), max(more, likely)
 
-    def _told(self, evidence: Evidence, k: int) -> Fit | None:
+    def _of_order(self, evidence: Evidence, k: int) -> Fit | None:
         """The mixture of ``k`` sources."""
-        step = model_order.search(evidence.rich, self.price, k)
+        step = model_order.search(evidence.rich, self.penalty, k)
         return None if step is None else Fit(step, 0.0, 1.0, 0.0)
 
     def evidence(self, observations: Sequence[Observation]) -> Evidence:

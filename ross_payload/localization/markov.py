@@ -1,7 +1,7 @@
 """Algorithm 1 of the paper: peaks, hypothesis tests along a Markov chain of rotations, K-means (`markov`).
 
 The chain gives every peak of every orientation an azimuth (`chain`); clusters of these azimuths (`clusters`) are the
-sources. The paper leaves the criterion on the inertia open; here K minimises inertia + price K, and a cluster is a
+sources. The paper leaves the criterion on the inertia open; here K minimises inertia + penalty K, and a cluster is a
 source when it holds its share of what one source could hold.
 """
 

@@ -1,7 +1,7 @@
 """How many sources: a mixture grows while the likelihood gains, then loses what is worth no more than a ghost.
 
 The worth of a source is the log-likelihood lost without it, once the others have adapted. A ghost lives on the misfit
-of the model, which grows with the evidence, so the price of a source has a constant part and a share of the evidence.
+of the model, which grows with the evidence, so the penalty of a source has a constant part and a share of the evidence.
 In a reverberant room, known by ITDs that are both drawn to 0 and spread, the evidence is less sharp, and sources and
 ghosts alike are worth a smaller share of it. Bins that two near talkers share have ITDs in between: a source between
 two near others costs more.
@@ -20,7 +20,7 @@ from ross_payload.localization import itd_mixture
 from ross_payload.localization.itd_mixture import Data, Mixture
 
 MAX_SOURCES = 6
-HOPEFUL = 0.1  # a gain below this share of the price is not tried: kernels adapt, so gains grow
+HOPEFUL = 0.1  # a gain below this share of the penalty is not tried: kernels adapt, so gains grow
 SPARE = 2  # sources tried beyond the largest K
 GRID = np.deg2rad(np.arange(-180.0, 180.0, 5.0))  # azimuths tried [rad]
 REACH = (1.0, 0.75, 0.5)  # amplitudes tried, as a share of the directness
@@ -37,7 +37,7 @@ BETTER = 0.5  # [nat] by which another arrangement must be better
 
 
 @dataclass(frozen=True, slots=True)
-class Price:
+class Penalty:
     """What a source must be worth."""
 
     base: float = 1.0  # [nat]
@@ -55,9 +55,9 @@ class Price:
         return float(self.base + share * data.counts.sum())
 
     def factors(self, azimuths: Real, widths: Real) -> Real:
-        """How many times the price each source costs, (k,).
+        """How many times the penalty each source costs, (k,).
 
-        >>> Price().factors(np.deg2rad([0.0, 25.0, 50.0, 150.0]), np.array([0.1, 0.1, 0.1, 0.3])).tolist()
+        >>> Penalty().factors(np.deg2rad([0.0, 25.0, 50.0, 150.0]), np.array([0.1, 0.1, 0.1, 0.3])).tolist()
         [1.0, 2.5, 1.0, 1.0]
         """
         off = difference(azimuths[:, None], azimuths)
@@ -79,7 +79,7 @@ class Step:
     """The mixture of one order on the way from too many sources to none."""
 
     model: Mixture
-    worth: Real  # of every source over its price, (k,)
+    worth: Real  # of every source over its penalty, (k,)
     reduced: Sequence[Mixture]  # the models without each source
     possible: bool  # not too many sources, and none too near another
 
@@ -89,37 +89,39 @@ class Step:
         return int(self.worth.argmin())
 
 
-def steps(data: Data, price: Price) -> Iterator[Step]:
+def steps(data: Data, penalty: Penalty) -> Iterator[Step]:
     """Fit mixtures of falling order: the source goes that is worth least, or one of two that are too near."""
-    model = _grow(data, price)
+    model = _grow(data, penalty)
     while len(model.azimuths):
-        near = _too_near(model, price)
+        near = _too_near(model, penalty)
         possible = len(model.azimuths) <= MAX_SOURCES and not near
         if possible:
-            model = rearrange(data, model, price)
-            near = _too_near(model, price)
-        step = _weighed(data, model, price, possible=possible and not near)
+            model = rearrange(data, model, penalty)
+            near = _too_near(model, penalty)
+        step = _weighed(data, model, penalty, possible=possible and not near)
         yield step
         model = itd_mixture.refine(data, step.reduced[_nearest(step) if near else step.least], 6)
 
 
-def begun(data: Data, price: Price, azimuths: Real) -> Step:
+def begun(data: Data, penalty: Penalty, azimuths: Real) -> Step:
     """Fit the mixture whose sources begin at these azimuths [rad], (k,)."""
     k = len(azimuths)
     amplitude = min(max(BEGUN, data.amplitudes[0]), data.amplitudes[1])
     weights = np.full((data.n_periods, k + itd_mixture.OTHERS), 1 / (k + itd_mixture.OTHERS))
-    model = Mixture(azimuths, np.full(k, amplitude), np.full(k, price.width), weights, amplitude)
-    return _weighed(data, itd_mixture.refine(data, model, 20), price, possible=True)
+    model = Mixture(azimuths, np.full(k, amplitude), np.full(k, penalty.width), weights, amplitude)
+    return _weighed(data, itd_mixture.refine(data, model, 20), penalty, possible=True)
 
 
-def _weighed(data: Data, model: Mixture, price: Price, *, possible: bool) -> Step:
+def _weighed(data: Data, model: Mixture, penalty: Penalty, *, possible: bool) -> Step:
     worth, reduced = worths(data, model)
-    return Step(model, worth / (price.of(data, model) * price.factors(model.azimuths, model.widths)), reduced, possible)
+    return Step(
+        model, worth / (penalty.of(data, model) * penalty.factors(model.azimuths, model.widths)), reduced, possible
+    )
 
 
-def search(data: Data, price: Price, known: int) -> Step | None:
+def search(data: Data, penalty: Penalty, known: int) -> Step | None:
     """Fit the mixture of ``known`` sources, or of fewer when the histograms do not hold so many."""
-    return next((step for step in steps(data, price) if step.possible and len(step.worth) <= known), None)
+    return next((step for step in steps(data, penalty) if step.possible and len(step.worth) <= known), None)
 
 
 def worths(data: Data, model: Mixture, rounds: int = 8) -> tuple[Real, list[Mixture]]:
@@ -138,7 +140,7 @@ def profile(data: Data, model: Mixture, source: int) -> Real:
     return gain
 
 
-def rearrange(data: Data, model: Mixture, price: Price, rounds: int = 2) -> Mixture:
+def rearrange(data: Data, model: Mixture, penalty: Penalty, rounds: int = 2) -> Mixture:
     """A better mixture of as many sources, if one is near.
 
     One of the three sources worth least is moved to where the likelihood gains most, or the one worth least goes and
@@ -150,9 +152,9 @@ def rearrange(data: Data, model: Mixture, price: Price, rounds: int = 2) -> Mixt
     for _ in range(rounds):
         worth, reduced = worths(data, model, 3)
         least = np.argsort(worth)[:3]
-        moved = [_added(data, reduced[k], price, [float(model.azimuths[k])])[0] for k in least]
+        moved = [_added(data, reduced[k], penalty, [float(model.azimuths[k])])[0] for k in least]
         fewer = reduced[least[0]]
-        halves = [itd_mixture.split(fewer, k, ASIDE, price.width) for k in range(len(fewer.azimuths))]
+        halves = [itd_mixture.split(fewer, k, ASIDE, penalty.width) for k in range(len(fewer.azimuths))]
         tried, likelihoods = _refined(data, [*moved, *halves], 10)
         if likelihoods.max() <= best + BETTER:
             break
@@ -168,15 +170,15 @@ def _refined(data: Data, models: Sequence[Mixture], rounds: int) -> tuple[list[M
     )
 
 
-def _grow(data: Data, price: Price) -> Mixture:
+def _grow(data: Data, penalty: Penalty) -> Mixture:
     """Add sources where the likelihood gains most, but not again where one has merged with another.
 
     Far below a vehicle two at one azimuth may differ in elevation, as a talker and what a rotor leaves over do.
     """
     model, merged = itd_mixture.empty(data), list[float]()
     while len(model.azimuths) < MAX_SOURCES + SPARE and len(merged) < MERGERS:
-        added, gain = _added(data, model, price, merged)
-        if gain < HOPEFUL * price.of(data, model):
+        added, gain = _added(data, model, penalty, merged)
+        if gain < HOPEFUL * penalty.of(data, model):
             break
         grown = itd_mixture.refine(data, added, 8)
         if not data.aloft and _apart(grown).min(initial=np.inf) < MERGED:
@@ -186,22 +188,22 @@ def _grow(data: Data, price: Price) -> Mixture:
     return itd_mixture.refine(data, model, 20)
 
 
-def _added(data: Data, model: Mixture, price: Price, not_at: Sequence[float]) -> tuple[Mixture, float]:
+def _added(data: Data, model: Mixture, penalty: Penalty, not_at: Sequence[float]) -> tuple[Mixture, float]:
     """The model with a source more where it gains most, but not near one of ``not_at`` [rad], and the gain [nat]."""
     least, greatest = data.amplitudes
     tried = np.multiply(STEEP, greatest) if data.aloft else np.multiply(REACH, model.directness)
     azimuths, amplitudes = np.tile(GRID, len(tried)), np.maximum(np.repeat(tried, len(GRID)), least)
-    gain, share = itd_mixture.gains(data, model, (azimuths, amplitudes), price.width)
+    gain, share = itd_mixture.gains(data, model, (azimuths, amplitudes), penalty.width)
     for place in not_at:
         gain = np.where(np.abs(difference(azimuths, place)) < MOVED, -np.inf, gain)
     best = int((gain >= gain.max() - TIED).argmax())  # the first: as direct as the room allows
     shares = np.maximum(share[:, best], 0.01)
-    added = itd_mixture.add(model, float(azimuths[best]), float(amplitudes[best]), price.width, shares)
+    added = itd_mixture.add(model, float(azimuths[best]), float(amplitudes[best]), penalty.width, shares)
     return added, float(gain[best])
 
 
-def _too_near(model: Mixture, price: Price) -> bool:
-    return bool(_apart(model).min(initial=np.inf) < price.apart)
+def _too_near(model: Mixture, penalty: Penalty) -> bool:
+    return bool(_apart(model).min(initial=np.inf) < penalty.apart)
 
 
 def _apart(model: Mixture) -> Real:

@@ -101,23 +101,23 @@ def excess(amplitude: float) -> float:
     return max(PLANE - amplitude, 0.0)
 
 
-def likelihood(heard: FrameStatistics, scene: Scene, hearing: Hearing) -> Likelihood:
+def likelihood(statistics: FrameStatistics, scene: Scene, hearing: Hearing) -> Likelihood:
     """How likely the phases are for all azimuths of all sources."""
-    heard, tables, found = _looked_at(heard, scene, hearing)
+    statistics, tables, found = _looked_at(statistics, scene, hearing)
     cells: dict[float, tuple[NDArray[np.intp], NDArray[np.intp]]] = {}
     density, case = [], []
     for elevation, table in zip(scene.elevations.tolist(), tables, strict=True):
         if elevation not in cells:
-            delays = scene.amplitude * elevation * np.cos(AZIMUTHS - heard.headings[:, None])
+            delays = scene.amplitude * elevation * np.cos(AZIMUTHS - statistics.headings[:, None])
             unique, index = np.unique(_nearest(delays), axis=1, return_inverse=True)
             cells[elevation] = unique, index.reshape(-1)
         unique, index = cells[elevation]
-        density.append(np.take_along_axis(table, unique[heard.bundle], axis=1))
+        density.append(np.take_along_axis(table, unique[statistics.bundle], axis=1))
         case.append(index)
     return replace(found, density=tuple(density), case=tuple(case))
 
 
-def at_rest(heard: FrameStatistics, scene: Scene, amplitudes: Real, hearing: Hearing) -> tuple[Likelihood, Real]:
+def at_rest(statistics: FrameStatistics, scene: Scene, amplitudes: Real, hearing: Hearing) -> tuple[Likelihood, Real]:
     """How likely the phases are if every source is where the scene has it, for several amplitudes of all delays.
 
     Errors, and how sources share bins, are those for the amplitude of the scene.
@@ -127,9 +127,9 @@ def at_rest(heard: FrameStatistics, scene: Scene, amplitudes: Real, hearing: Hea
     tuple
         A likelihood that knows no azimuths, and the density of every bin's phase, (n_amplitudes, k + 1, n).
     """
-    heard, tables, found = _looked_at(heard, scene, hearing)
-    delays = scene.elevations[:, None] * np.cos(scene.azimuths[:, None] - heard.headings[heard.bundle])
-    cells, bins = _nearest(amplitudes[:, None, None] * delays), np.arange(len(heard.phases))
+    statistics, tables, found = _looked_at(statistics, scene, hearing)
+    delays = scene.elevations[:, None] * np.cos(scene.azimuths[:, None] - statistics.headings[statistics.bundle])
+    cells, bins = _nearest(amplitudes[:, None, None] * delays), np.arange(len(statistics.phases))
     own = [table[bins, cells[:, source]] for source, table in enumerate(tables)]
     nobody = np.broadcast_to(found.nobody, (len(amplitudes), len(bins)))
     return found, np.stack([*own, nobody], axis=1)
@@ -140,23 +140,23 @@ def _nearest(delays: Real) -> NDArray[np.intp]:
 
 
 def _looked_at(
-    heard: FrameStatistics, scene: Scene, hearing: Hearing
+    statistics: FrameStatistics, scene: Scene, hearing: Hearing
 ) -> tuple[FrameStatistics, list[Real], Likelihood]:
     """The bins that are looked at, density of their phases for every delay of every source, and all but azimuths."""
-    heard = heard.evenly(hearing.used, GROUP)
-    turned = (2 * np.pi * scene.unit * heard.frequencies).astype(np.float32)
-    tables, nobody = _tables(heard, turned, scene, hearing)
-    band = np.searchsorted(BANDS, heard.frequencies)
-    return heard, tables, Likelihood((), (), nobody, band, float(heard.weights[0]))
+    statistics = statistics.evenly(hearing.used, GROUP)
+    turned = (2 * np.pi * scene.unit * statistics.frequencies).astype(np.float32)
+    tables, nobody = _tables(statistics, turned, scene, hearing)
+    band = np.searchsorted(BANDS, statistics.frequencies)
+    return statistics, tables, Likelihood((), (), nobody, band, float(statistics.weights[0]))
 
 
-def _tables(heard: FrameStatistics, turned: Real, scene: Scene, hearing: Hearing) -> tuple[list[Real], Real]:
+def _tables(statistics: FrameStatistics, turned: Real, scene: Scene, hearing: Hearing) -> tuple[list[Real], Real]:
     """Density of every phase for every delay of every source, (n, n_delays) each, and for nobody, (n,)."""
-    off = np.cos(heard.phases.astype(np.float32)[:, None] - turned[:, None] * DELAYS.astype(np.float32)) - 1
+    off = np.cos(statistics.phases.astype(np.float32)[:, None] - turned[:, None] * DELAYS.astype(np.float32)) - 1
     error = hearing.error[scene.wet] + hearing.echoic * excess(scene.amplitude)
     variance = hearing.noise**2 + error**2 * turned
     alone, beside = _von_mises(off, 1 / variance), _von_mises(off, 1 / (hearing.wider**2 * variance))
-    row = np.searchsorted(BELOW, heard.frequencies)
+    row = np.searchsorted(BELOW, statistics.frequencies)
     shared = SHARED[np.minimum(row, len(BELOW) - 1)].astype(np.float32)
     own = (1 - shared.sum(axis=1))[:, None] * alone
     plain = own + shared.sum(axis=1)[:, None] * beside
@@ -164,7 +164,7 @@ def _tables(heard: FrameStatistics, turned: Real, scene: Scene, hearing: Hearing
     low = np.flatnonzero(row < len(BELOW))
     if len(scene.azimuths) < 2 or not len(low):
         return [plain] * len(scene.azimuths), nobody.astype(np.float32)
-    delays = scene.elevations * np.cos(scene.azimuths - heard.headings.mean()) * scene.amplitude
+    delays = scene.elevations * np.cos(scene.azimuths - statistics.headings.mean()) * scene.amplitude
     tables = []
     for source in range(len(delays)):
         table = plain.copy()

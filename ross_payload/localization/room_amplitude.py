@@ -43,12 +43,12 @@ class RoomAmplitude:
         least, most = HEARD
         return self.seconds >= most or (self.seconds >= least and bool(sigma <= SURE))
 
-    def after(self, heard: FrameStatistics, scene: Scene, shares: Real, hearing: Hearing) -> RoomAmplitude:
+    def after(self, statistics: FrameStatistics, scene: Scene, shares: Real, hearing: Hearing) -> RoomAmplitude:
         """Return what is known after some frames.
 
         Parameters
         ----------
-        heard
+        statistics
             The trustworthy bins of the frames, one at least.
         scene
             Where the sources rest.
@@ -57,11 +57,11 @@ class RoomAmplitude:
         hearing
             How phases tell of azimuths.
         """
-        found, marginal = at_rest(heard, replace(scene, amplitude=MIDDLE), AMPLITUDES, hearing)
+        found, marginal = at_rest(statistics, replace(scene, amplitude=MIDDLE), AMPLITUDES, hearing)
         parts = found.shares(shares, marginal, hearing.share)
         mixture = (parts[..., found.band] * marginal).sum(axis=1)
         log = self.log + found.log(mixture[..., None])[:, 0]
-        return RoomAmplitude(log - log.max(), self.seconds + heard.seconds)
+        return RoomAmplitude(log - log.max(), self.seconds + statistics.seconds)
 
     @property
     def _mean(self) -> float:

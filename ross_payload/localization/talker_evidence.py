@@ -27,11 +27,11 @@ from ross_payload.localization.itd_mixture import OTHERS, TINY, Data
 from ross_payload.localization.model_order import Step, wetness
 
 BLOCK = 0.05  # in which one talker speaks or another [s]
-LEAST = 0.03  # worth over price; what is worth less is nothing
+LEAST = 0.03  # worth over penalty; what is worth less is nothing
 NOBODY = 1e-3  # a gain that stands for none [percent of the evidence]
 NEAR = np.deg2rad(35.0)  # a source between two that are nearer than this may be what both share [rad]
 ALONE = 0.7  # a bin of the histograms is a source's own when this share of it is
-FIRST = -3.0  # log of worth over price before the first step
+FIRST = -3.0  # log of worth over penalty before the first step
 STEADIEST = 20.0  # bound of the steadiness of a gain over the headings
 WHITE, TREES = "talker_evidence.json", "talker_evidence.npz"  # for noise that is white
 BELOW, AMONG = "talker_evidence_below.json", "talker_evidence_in_noise.json"  # a vehicle; its noise
@@ -144,7 +144,7 @@ def likely(evidence: Evidence, step: Step, rival: float) -> float:
 def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int]) -> Real:
     """What tells some sources of a mixture from ghosts, (n, n_features) in the order of `FEATURES`, then `IN_NOISE`.
 
-    ``rival`` is the worth over price of the source that went before this mixture, 0 when none did.
+    ``rival`` is the worth over penalty of the source that went before this mixture, 0 when none did.
     """
     model, total = step.model, float(evidence.rich.counts.sum()) + TINY
     k = len(model.azimuths)

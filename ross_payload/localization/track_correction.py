@@ -46,7 +46,7 @@ class _Correction:
         """Density of every bin's phase, (n_hypotheses, n)."""
         return np.asarray(np.einsum("hkn,hkn->hn", self.shares, self.marginal) + np.float32(TINY))
 
-    def correct(self, source: int, found: Likelihood, keep: float, told: Real) -> None:
+    def correct(self, source: int, found: Likelihood, keep: float, home_density: Real) -> None:
         """Correct one source in all hypotheses, given what is believed of the others there."""
         mixture, part = self.mixture, self.shares[:, source]
         self.log -= found.log(mixture[..., None])[:, 0]
@@ -54,14 +54,14 @@ class _Correction:
         gone = np.array([source in left for left in self.left])
         rest, away = np.flatnonzero(~gone), np.flatnonzero(gone)
         for rows, density in ((rest, self.marginal[rest, source][..., None]), (away, found.density[source][None])):
-            heard, each = _cases(density, others[rows], part[rows], self.talking[rows, source], found)
-            for row, talks, either in zip(rows.tolist(), heard, each, strict=True):
+            voiced, each = _cases(density, others[rows], part[rows], self.talking[rows, source], found)
+            for row, talks, either in zip(rows.tolist(), voiced, each, strict=True):
                 self._apply(source, row, talks, either, found)
         if len(rest):
             best = rest[self.weights[rest].argmax()][None]
             talking = self.talking[best, source]
             _, each = _cases(found.density[source][None], others[best], part[best], talking, found)
-            log = keep * np.log(self.rests[source] + TINY) + (1 - keep) * np.log(told + TINY)
+            log = keep * np.log(self.rests[source] + TINY) + (1 - keep) * np.log(home_density + TINY)
             log += self.weights[rest].sum() * each[0][found.case[source]]
             after = np.exp(log - log.max())
             self.rests[source] = after / after.sum()
@@ -76,8 +76,8 @@ class _Correction:
         highest = float(either[places > TINY].max())
         gain = np.exp(np.minimum(either - highest, LOUD))
         total = float(places @ gain) + TINY
-        heard = float(places @ np.exp(np.minimum(talks - highest, LOUD))) / total
-        self.talking[row, source] = np.clip(heard, SOMETIMES, 1 - SOMETIMES)
+        talking = float(places @ np.exp(np.minimum(talks - highest, LOUD))) / total
+        self.talking[row, source] = np.clip(talking, SOMETIMES, 1 - SOMETIMES)
         self.log[row] += highest + np.log(total)
         if belief is not None:
             after = belief * gain.astype(np.float32)
@@ -92,32 +92,32 @@ def _cases(density: Real, others: Real, part: Real, talking: Real, found: Likeli
     """
     alone, odds = others[..., None], talking[:, None]
     more = part[..., None] * (density - alone)
-    heard = np.log(odds / 2) + np.logaddexp(found.log(alone + more), found.log(alone + more / SOFT))
-    return heard, np.logaddexp(heard, np.log(1 - odds) + found.log(alone))
+    talks = np.log(odds / 2) + np.logaddexp(found.log(alone + more), found.log(alone + more / SOFT))
+    return talks, np.logaddexp(talks, np.log(1 - odds) + found.log(alone))
 
 
-def correct(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> tuple[Tracks, list[Hypothesis]]:
+def correct(tracks: Tracks, statistics: FrameStatistics, hearing: Hearing) -> tuple[Tracks, list[Hypothesis]]:
     """Return what is believed after some frames, and its hypotheses, whose weights sum to 1, before they are merged."""
     shares = tracks.shares[:-1].mean(axis=1) + SOMETIMES
     scene = Scene(tracks.unit, tracks.azimuths, tracks.elevations, shares, tracks.wet, tracks.amplitude)
-    found = likelihood(heard, scene, hearing)
+    found = likelihood(statistics, scene, hearing)
     state, shares = _begin(tracks, found, hearing)
-    keep = float(np.exp(-heard.seconds / hearing.homes))
+    keep = float(np.exp(-statistics.seconds / hearing.homes))
     for source in range(len(tracks.homes)):
-        state.correct(source, found, keep, tracks.told[source])
+        state.correct(source, found, keep, tracks.home_densities[source])
     log = np.log(state.weights) + state.log
     weights = np.exp(log - log.max())
     parts = zip((weights / weights.sum()).tolist(), state.left, state.talking, strict=True)
     own = state.shares[:, :-1] * state.marginal[:, :-1] / state.mixture[:, None]
     telling = found.count * -np.log1p(-np.minimum(own, 1 - 1e-6)).sum(axis=-1)
-    keep = float(np.exp(-heard.seconds / hearing.recent))
+    keep = float(np.exp(-statistics.seconds / hearing.recent))
     mixed = keep * tracks.shares + (1 - keep) * np.tensordot(state.weights, shares, 1) + 0.01 / len(tracks.shares)
     after = replace(
         tracks,
         rests=state.rests,
         shares=mixed / mixed.sum(axis=0),
         ages=np.where(state.weights @ telling >= hearing.talks, 0.0, tracks.ages),
-        heading=float(heard.headings[-1]),
+        heading=float(statistics.headings[-1]),
     )
     return after, [Hypothesis(*part) for part in parts]
 

@@ -44,7 +44,7 @@ class Tracks:
 
     hypotheses: tuple[Hypothesis, ...]  # weights sum to 1
     homes: Real  # where each rested, as was told [rad], (k,)
-    told: Real  # densities of that on the grid, (k, n_azimuths)
+    home_densities: Real  # of that on the grid, (k, n_azimuths)
     rests: Real  # and what was heard of it since: where who rests is heard, (k, n_azimuths)
     heading: float  # of the array when it was last heard [rad]
     elevations: Real  # cosines, (k,)
@@ -125,14 +125,14 @@ class Tracks:
         found = (self.mixed * near[:, None]).sum(axis=2)
         return np.asarray(found @ RATES / (found.sum(axis=1) + TINY))
 
-    def gone(self, azimuths: Real, by: float, heard: float) -> tuple[Real, float]:
+    def gone(self, azimuths: Real, by: float, delay: float) -> tuple[Real, float]:
         """Probability that every source, (k,), and that any, is away from an azimuth of its own [rad].
 
-        By more than ``by`` [rad], and so that its delay at this heading differs by more than ``heard`` [d / v_p].
+        By more than ``by`` [rad], and so that its delay at this heading differs by more than ``delay`` [d / v_p].
         """
         delays = np.cos(AZIMUTHS - self.heading) - np.cos(azimuths - self.heading)[:, None]
         away = (np.abs(difference(AZIMUTHS, azimuths[:, None])) > by) & (
-            np.abs(self.elevations[:, None] * delays) > heard
+            np.abs(self.elevations[:, None] * delays) > delay
         )
         each, anybody = np.zeros(len(azimuths)), 0.0
         for hypothesis in self.hypotheses:

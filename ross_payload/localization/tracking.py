@@ -63,13 +63,13 @@ def begin(estimate: Estimate, spacing: float, speed_of_sound: float) -> Tracks:
     amplitude = UNTOLD if estimate.directness is None else 1 - DRAWN * (1 - estimate.directness)
     k = len(azimuths)
     place = float(np.hypot(PLACE, ASTRAY * (1 - amplitude)))
-    told = np.array([around(source.azimuth, float(np.hypot(source.sigma, place))) for source in estimate.sources])
-    told = told.reshape(k, N_AZIMUTHS)
+    densities = np.array([around(source.azimuth, float(np.hypot(source.sigma, place))) for source in estimate.sources])
+    densities = densities.reshape(k, N_AZIMUTHS)
     return Tracks(
         hypotheses=(Hypothesis(1.0, {}, np.ones(k)),),
         homes=azimuths,
-        told=told,
-        rests=told,
+        home_densities=densities,
+        rests=densities,
         heading=0.0,
         elevations=np.cos([source.elevation or 0.0 for source in estimate.sources]),
         shares=np.full((k + 1, N_BANDS), 1 / (k + 1)),
@@ -81,24 +81,24 @@ def begin(estimate: Estimate, spacing: float, speed_of_sound: float) -> Tracks:
     )
 
 
-def step(tracks: Tracks, heard: FrameStatistics, motion: Motion = MOTION, hearing: Hearing = HEARING) -> Tracks:
+def step(tracks: Tracks, statistics: FrameStatistics, motion: Motion = MOTION, hearing: Hearing = HEARING) -> Tracks:
     """Return what is believed at the end of some frames: predict, then correct by what was heard in them."""
     if not len(tracks.ages):
         return tracks
-    ahead = predict(tracks, heard.seconds, motion)
-    if not len(heard.weights):
+    ahead = predict(tracks, statistics.seconds, motion)
+    if not len(statistics.weights):
         return ahead
-    after, parts = correct(_learnt(ahead, heard, hearing), heard, hearing)
+    after, parts = correct(_learnt(ahead, statistics, hearing), statistics, hearing)
     return replace(after, hypotheses=_merged(parts))
 
 
-def _learnt(tracks: Tracks, heard: FrameStatistics, hearing: Hearing) -> Tracks:
+def _learnt(tracks: Tracks, statistics: FrameStatistics, hearing: Hearing) -> Tracks:
     """Return the tracks with the amplitude of delays in a room that nobody has explored, as far as it is heard."""
     if tracks.room is None:
         return tracks
     shares = tracks.shares[:-1].mean(axis=1)
     scene = Scene(tracks.unit, tracks.homes, tracks.elevations, shares, tracks.wet, tracks.amplitude)
-    room = tracks.room.after(heard, scene, tracks.shares, hearing)
+    room = tracks.room.after(statistics, scene, tracks.shares, hearing)
     return replace(tracks, amplitude=room.amplitude, room=None if room.known else room)
 
 

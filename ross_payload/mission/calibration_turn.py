@@ -29,16 +29,16 @@ def stepped(settings: Settings, angle: float, headings: int) -> Settings:
     return replace(settings, rotation=step, max_rotations=headings - 1)
 
 
-def calibration_turn(settings: Settings, tools: Tools, seconds: float, heard: list[HeadingSpectrum]) -> Mission:
-    """Listen for ``seconds`` at every heading of the schedule, add what was heard to ``heard``, and turn back.
+def calibration_turn(settings: Settings, tools: Tools, seconds: float, spectra: list[HeadingSpectrum]) -> Mission:
+    """Listen for ``seconds`` at every heading of the schedule, add what was heard to ``spectra``, and turn back.
 
     Prime it with ``next``; then send one Input for every Output. It returns a Result; its last Output asks for a stop.
     """
     context = Context(settings, tools)
     try:
         yield from hop(context)
-        yield from _headings(context, list(schedule(context)), seconds, heard)
-        result = Result(Outcome.COMPLETED, f"listened at {len(heard)} headings")
+        yield from _headings(context, list(schedule(context)), seconds, spectra)
+        result = Result(Outcome.COMPLETED, f"listened at {len(spectra)} headings")
     except FrameChanged as changed:
         result = Result(Outcome.FAULT, changed.reason)
     except Ended as ended:
@@ -51,7 +51,7 @@ def calibration_turn(settings: Settings, tools: Tools, seconds: float, heard: li
     return result
 
 
-def _headings(context: Context, joints: Sequence[float], seconds: float, heard: list[HeadingSpectrum]) -> Step[None]:
+def _headings(context: Context, joints: Sequence[float], seconds: float, spectra: list[HeadingSpectrum]) -> Step[None]:
     """Visit the nearest joint angle next, until all have been visited."""
     todo, start, zero = list(joints), context.pointing.joint, context.pointing.zero
     for number in range(1, len(joints) + 1):
@@ -65,6 +65,6 @@ def _headings(context: Context, joints: Sequence[float], seconds: float, heard: 
         listening = yield from attend(context, seconds)
         found = heading_spectrum(listening.samples, context.settings.rate, listening.heading)
         if found is not None:
-            heard.append(found)
+            spectra.append(found)
     context.drop_frame()
     yield from turn(context, start, "back to where it was")

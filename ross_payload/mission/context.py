@@ -319,16 +319,16 @@ def listen(context: Context, seconds: float) -> Step[tuple[Samples, Real | None]
     return without_offset(samples), speeds_by_hop(speeds)
 
 
-def speeds_by_hop(told: Sequence[tuple[float, ...]]) -> Real | None:
+def speeds_by_hop(reported: Sequence[tuple[float, ...]]) -> Real | None:
     """Speeds of the rotors at every hop [1/s], (n_hops, n_rotors); None when nobody told any.
 
     >>> speeds_by_hop([(), (90.0, 91.0)]).tolist(), speeds_by_hop([(), ()])
     ([[0.0, 0.0], [90.0, 91.0]], None)
     """
-    n_rotors = max(map(len, told), default=0)
+    n_rotors = max(map(len, reported), default=0)
     if not n_rotors:
         return None
-    return np.array([[*speeds, *[0.0] * (n_rotors - len(speeds))] for speeds in told])
+    return np.array([[*speeds, *[0.0] * (n_rotors - len(speeds))] for speeds in reported])
 
 
 def turn(context: Context, joint: float, reason: str) -> Step[None]:

@@ -54,9 +54,9 @@ def explore(context: Context) -> Step[tuple[Estimate, int | None]]:
 def check_array(context: Context) -> None:
     """Say when what was heard contradicts what is configured of the array."""
     settings = context.settings
-    spectra = (heading_spectrum(heard.samples, settings.rate, heard.heading) for heard in context.explored)
-    heard = [each for each in spectra if each is not None and each.heard >= HEARD]
-    found = contradiction(heard, settings.spacing, settings.speed_of_sound, level=settings.level)
+    explored = (heading_spectrum(each.samples, settings.rate, each.heading) for each in context.explored)
+    spectra = [each for each in explored if each is not None and each.coherence >= HEARD]
+    found = contradiction(spectra, settings.spacing, settings.speed_of_sound, level=settings.level)
     if found:
         told = ArrayContradicted(context.time, found.spacing, settings.spacing, found.gain_db, found.inverted)
         context.publish(told)

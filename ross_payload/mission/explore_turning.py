@@ -24,34 +24,34 @@ def explore_turning(context: Context, explorer: TurningExplorer) -> Step[tuple[E
     """
     context.keep_frame()
     sweep, visits, left = sweep_from(context.settings, context.pointing.joint), Visits(), context.settings.periods
-    heard, before = HeardTurning(context.settings.rate), list(context.explored)
+    turning, before = HeardTurning(context.settings.rate), list(context.explored)
     while left and not (context.beliefs and certain(context)):
         promise = promising(context, visits) if context.settings.pipelined else None
         if promise is not None:
             source = yield from visit(context, promise, visits, last=False)
             if source is not None:
                 return context.beliefs[-1], source
-            heard, before, sweep.due = HeardTurning(context.settings.rate), list(context.explored), True
+            turning, before, sweep.due = HeardTurning(context.settings.rate), list(context.explored), True
             continue
-        yield from _period(context, sweep, heard)
+        yield from _period(context, sweep, turning)
         left -= 1
-        believe(context, observe_turned(context, explorer, heard.period()))
-        context.explored = [*before, *heard.pieces(context.settings.rotation)]
+        believe(context, observe_turned(context, explorer, turning.period()))
+        context.explored = [*before, *turning.pieces(context.settings.rotation)]
         say_belief(context, final=not left or certain(context))
     yield from hop(context, halt=True)
     return context.beliefs[-1], None
 
 
-def _period(context: Context, sweep: Sweep, heard: HeardTurning) -> Step[None]:
+def _period(context: Context, sweep: Sweep, turning: HeardTurning) -> Step[None]:
     """Hear T_unit while the array turns."""
     rate, number = math.degrees(sweep.rate), len(context.observations) + 1
     context.holding = None
     context.enter(State.EXPLORE_TURN, f"turning at {rate:g} deg/s, period {number} of {context.settings.periods}")
-    heard.begin()
+    turning.begin()
     wanted = round(context.settings.unit * context.settings.rate)
-    while heard.samples < wanted:
+    while turning.samples < wanted:
         goal = sweep.next_goal()
         if goal is not None:
             context.publish(TurnStarted(context.time, goal, context.pointing.at(goal), "turning while it listens"))
-        heard.add((yield from hop(context, goal=goal, rate=sweep.rate)))
+        turning.add((yield from hop(context, goal=goal, rate=sweep.rate)))
         sweep.update(settled=context.here.settled)

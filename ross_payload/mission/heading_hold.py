@@ -76,28 +76,28 @@ def attend(context: Context, seconds: float) -> Step[Listening]:
         context.holding = _follower(context, context.pointing.heading, context.pointing.joint)
     wanted, period, left = round(seconds * context.settings.rate), _Period(), MOST_BACK
     while period.samples < wanted:
-        heard = yield from hop(context, goal=context.holding.next_goal())
-        period.add(heard)
-        context.holding.update(context.time, heard.pointing)
-        _track(context, heard)
+        now = yield from hop(context, goal=context.holding.next_goal())
+        period.add(now)
+        context.holding.update(context.time, now.pointing)
+        _track(context, now)
         if left and context.holding.unreachable():
             period, left = _Period(), left - 1
             yield from face(context, context.holding.heading, context.pointing.joint, OTHER_END)
     return period.listening()
 
 
-def _track(context: Context, heard: Input) -> None:
+def _track(context: Context, now: Input) -> None:
     """Let the tracker hear a hop, and turn a little when that is worth it; what is heard meanwhile counts."""
     if context.tracker is None:
         return
-    said, settings = context.tracker.hear(heard, context.time), context.settings
-    if said is not None:
-        context.publish(said)
+    event, settings = context.tracker.hear(now, context.time), context.settings
+    if event is not None:
+        context.publish(event)
     heading = context.tracker.heading_for(
-        context.time, heard.pointing, settings.lower, settings.upper, settled=heard.settled
+        context.time, now.pointing, settings.lower, settings.upper, settled=now.settled
     )
     if heading is not None:
-        goal = heard.pointing.joint + wrap(heading - heard.pointing.heading)
+        goal = now.pointing.joint + wrap(heading - now.pointing.heading)
         reason = REALIGNED if context.tracker.anybody else LOOKING
         context.publish(TurnStarted(context.time, goal, heading, reason))
         context.holding = _follower(context, heading, goal)

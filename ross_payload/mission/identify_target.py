@@ -116,7 +116,7 @@ def scored(context: Context, found: Identification, evidence: Evidence | None = 
     scores = []
     for group, (members, voice) in enumerate(zip(found.groups.members, found.compared, strict=True)):
         value = evidence.scores.get(members[0]) if evidence is not None and len(members) == 1 else None
-        value = _nothing_heard(context).alone(voice) if value is None else value
+        value = _no_evidence(context).alone(voice) if value is None else value
         scores.append(_scored(context, found.groups, group, value))
     return replace(found, scores=tuple(scores))
 
@@ -136,7 +136,7 @@ def recall(context: Context, estimate: Estimate, known: Evidence | None = None) 
     somebody sounds like the target beyond doubt, the orientations that are left are not recalled. Nothing is recalled
     where nothing was explored.
     """
-    evidence = _nothing_heard(context) if known is None else known
+    evidence = _no_evidence(context) if known is None else known
     if not context.explored or context.tools.voiceprint is None:
         return evidence
     apart = _apart(context, estimate, [heard.heading for heard in context.explored])
@@ -208,7 +208,7 @@ def _enough(context: Context, apart: Real) -> list[int]:
     return chosen
 
 
-def _nothing_heard(context: Context) -> Evidence:
+def _no_evidence(context: Context) -> Evidence:
     return Evidence(context.settings.rate, context.tools.voiceprint)
 
 

@@ -25,7 +25,7 @@ SPOT = np.deg2rad(0.5)  # headings nearer than this are one [rad]
 
 
 @dataclass(frozen=True, slots=True)
-class Promise:
+class PromisingVisit:
     """An alignment worth a visit, and what the exploration has heard of every source."""
 
     candidate: AlignmentCandidate
@@ -40,7 +40,7 @@ class Visits:
     rejected: list[float] = field(default_factory=list)  # azimuths [rad] of sources that are not the target
 
 
-def promising(context: Context, visits: Visits) -> Promise | None:
+def promising(context: Context, visits: Visits) -> PromisingVisit | None:
     """Return the alignment worth a visit instead of the next orientation, or None.
 
     The belief must be steady; the alignment must set its source apart clearly, and the source must not have been
@@ -55,10 +55,10 @@ def promising(context: Context, visits: Visits) -> Promise | None:
     if not candidates:
         return None
     recalled = recall(context, estimate)
-    return Promise(next_visit(context, candidates, recalled.scores), recalled)
+    return PromisingVisit(next_visit(context, candidates, recalled.scores), recalled)
 
 
-def visit(context: Context, promise: Promise, visits: Visits, *, last: bool) -> Step[int | None]:
+def visit(context: Context, promise: PromisingVisit, visits: Visits, *, last: bool) -> Step[int | None]:
     """Turn to an alignment and listen; return the target's source when it is recognised and the belief survives."""
     before, candidate = context.beliefs[-1], promise.candidate
     align(context, before)

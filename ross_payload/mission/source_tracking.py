@@ -108,8 +108,8 @@ class SourceTracker:
     @property
     def azimuths(self) -> Real:
         """Where the sources are taken to be [rad], (k,)."""
-        told = np.array([source.azimuth for source in self.anchor.sources])
-        return np.where(self.moved, self.tracks.azimuths + self.tracks.rates * self.behind, told)
+        homes = np.array([source.azimuth for source in self.anchor.sources])
+        return np.where(self.moved, self.tracks.azimuths + self.tracks.rates * self.behind, homes)
 
     @property
     def _echoed(self) -> float:
@@ -150,12 +150,12 @@ class SourceTracker:
         rates = np.where(self.moved, self.tracks.rates, 0.0)
         return SourcesTracked(time, self.estimate, tuple(rates.tolist()), tuple(self.tracks.ages.tolist()))
 
-    def _due(self, heard: int) -> bool:
-        ready = (heard - self.stft.frame) // self.stft.hop + 1
+    def _due(self, n_samples: int) -> bool:
+        ready = (n_samples - self.stft.frame) // self.stft.hop + 1
         return (ready - self._frames) * self.stft.period >= UPDATE
 
-    def _update(self, heard: int) -> None:
-        ready = (heard - self.stft.frame) // self.stft.hop + 1
+    def _update(self, n_samples: int) -> None:
+        ready = (n_samples - self.stft.frame) // self.stft.hop + 1
         self._samples, self._blocks = np.concatenate([self._samples, *self._blocks], axis=1), []
         before = min(self._frames, round(ECHOES / self.stft.period))
         first = (self._frames - before) * self.stft.hop - self._first
@@ -168,7 +168,7 @@ class SourceTracker:
         span = self.stft.frame / 2
         swept = np.interp(middles + span, ends, headings) - np.interp(middles - span, ends, headings)
         still = np.abs(swept) * self.stft.rate / self.stft.frame <= TURNING
-        heard_in_frames = statistics(
+        found = statistics(
             spectrogram,
             self.stft.frequencies,
             at,
@@ -177,7 +177,7 @@ class SourceTracker:
             skip=before,
             still=still,
         )
-        self.tracks = tracking.step(self.tracks, heard_in_frames)
+        self.tracks = tracking.step(self.tracks, found)
         self._frames = ready
         keep = ready * self.stft.hop - round(LEVEL * self.stft.rate)
         if keep > self._first:
@@ -196,51 +196,51 @@ class SourceTracker:
 
     def corrected(self, time: float) -> None:
         """Decide at a mission time [s] who has moved: for sure, for a while, and beside somebody who has not."""
-        told = np.array([source.azimuth for source in self.anchor.sources])
+        homes = np.array([source.azimuth for source in self.anchor.sources])
         echoes = excess(self.tracks.amplitude)  # [d / v_p], at broadside also [rad]
-        each, anybody = self.tracks.gone(told, MOVED, self._echoed)
-        each = np.maximum(each, self._clear(told, FAR_OFF + echoes))
-        witness = self._witness(told, each)
-        if not witness and self._alike(told, each >= SURE):
+        each, anybody = self.tracks.gone(homes, MOVED, self._echoed)
+        each = np.maximum(each, self._clear(homes, FAR_OFF + echoes))
+        witness = self._witness(homes, each)
+        if not witness and self._alike(homes, each >= SURE):
             self.moved, self.stirred = [False] * self.anchor.k, False
         self._stir = self._stir + 1 if anybody >= STIRRED else 0
         self.stirred = self.stirred or (witness and self._stir >= LASTING // 2)
-        far = np.clip(self._changed(told) / self._echoed, 1, FAR)
+        far = np.clip(self._changed(homes) / self._echoed, 1, FAR)
         lasting = LASTING + int(LONGER * echoes)
         for k in range(self.anchor.k):
             certain = each[k] >= SURE and self.tracks.ages[k] <= UPDATE
             self._streak[k] = 0 if each[k] <= UNSURE else self._streak[k] + int(certain) * int(far[k])
             self.moved[k] = self.moved[k] or (witness and self._streak[k] >= lasting)
 
-    def _clear(self, told: Real, far: float) -> Real:
+    def _clear(self, homes: Real, far: float) -> Real:
         """Probability that every source is ``far`` [rad] from its place, 0 where it is not clear where it is, (k,).
 
         Who walks near the axis, or past the mirror image of its place, may have the delay of that place for long. What
         echoes feign near the axis has a mirror image itself, and is not clear; nor is the axis, which has none: a delay
         that they draw to 0 less than expected is that of a source on the axis.
         """
-        away, _ = self.tracks.gone(told, far, 0.0)
+        away, _ = self.tracks.gone(homes, far, 0.0)
         now, axis = self.tracks.azimuths, self.tracks.heading
-        clear = (self.tracks.sigmas <= CLEAR * np.abs(difference(now, told))) & (np.abs(np.sin(now - axis)) >= ASIDE)
+        clear = (self.tracks.sigmas <= CLEAR * np.abs(difference(now, homes))) & (np.abs(np.sin(now - axis)) >= ASIDE)
         return np.asarray(away * clear)
 
-    def _changed(self, told: Real) -> Real:
+    def _changed(self, homes: Real) -> Real:
         """By how much the delays at this heading differ from those at the azimuths that were told [d / v_p], (k,)."""
-        now, then = (np.cos(each - self.tracks.heading) for each in (self.tracks.azimuths, told))
+        now, then = (np.cos(each - self.tracks.heading) for each in (self.tracks.azimuths, homes))
         return np.asarray(np.abs(self.tracks.elevations * (now - then)))
 
-    def _witness(self, told: Real, gone: Real) -> bool:
+    def _witness(self, homes: Real, gone: Real) -> bool:
         """Whether somebody stays whose delay would have changed, too, if the array had slipped; nobody else: yes."""
         if self.anchor.k == 1:
             return True
-        shift = float(difference(self.tracks.azimuths, told)[gone.argmax()])
-        axis = told - self.tracks.heading
+        shift = float(difference(self.tracks.azimuths, homes)[gone.argmax()])
+        axis = homes - self.tracks.heading
         slipped = np.abs(self.tracks.elevations * (np.cos(axis + shift) - np.cos(axis)))
         return bool(np.any((slipped > TELLING * self._echoed) & (self.tracks.ages <= FRESH) & (gone <= UNSURE)))
 
-    def _alike(self, told: Real, gone: NDArray[np.bool_]) -> bool:
+    def _alike(self, homes: Real, gone: NDArray[np.bool_]) -> bool:
         """Whether two sources at least are gone, all by the same angle."""
-        shifts = difference(self.tracks.azimuths, told)[gone]
+        shifts = difference(self.tracks.azimuths, homes)[gone]
         return len(shifts) > 1 and bool(np.ptp(shifts) <= ALIKE)
 
     def heading_for(self, time: float, here: Pointing, lower: float, upper: float, *, settled: bool) -> float | None:

@@ -90,7 +90,7 @@ class LiveGaussian:
 
     def step(self, state: State, frame: Complex, scene: Scene) -> tuple[State, Groups]:
         """Hear one frame (2, n_freqs); return the groups of ``lookahead`` frames ago, (n_groups, n_freqs, 1)."""
-        state = self.heard(state, frame, scene)
+        state = self.update(state, frame, scene)
         psds = np.concatenate([state.psds[1], self.noise_of(state, scene)[None]])
         return state, separated(state, psds, self.name)
 
@@ -128,7 +128,7 @@ class LiveGaussian:
             return np.full(scene.frequencies.size, GUESS * state.level + floor, np.float32)
         return np.maximum(known, floor).astype(np.float32)
 
-    def heard(self, state: State, frame: Complex, scene: Scene) -> State:
+    def update(self, state: State, frame: Complex, scene: Scene) -> State:
         """Take in a frame (2, n_freqs), and update the PSDs of those that are under way."""
         if not state.members:
             return state

@@ -145,7 +145,7 @@ class LiveRefined:
 
     def step(self, state: RefinedState, frame: Complex, scene: Scene) -> tuple[RefinedState, Groups]:
         """Hear one frame (2, n_freqs); return the groups of ``lookahead`` frames ago, (n_groups, n_freqs, 1)."""
-        model, low = self._model.heard(state.model, frame, scene), slice(_low(scene))
+        model, low = self._model.update(state.model, frame, scene), slice(_low(scene))
         noise = self._model.noise_of(model, scene)
         psds = np.concatenate([model.psds[1], noise[None]])
         if model.level > 0 and trained_for(scene.frequencies[low]):

@@ -79,9 +79,9 @@ class BuiltInModel:
         criterion = round(float(self.parameters.separated), 4) if separated else 0.0
         return enrolled_print(self, samples, features.seconds, separated=separated, criterion=criterion)
 
-    def similarity(self, enrolled: Real, heard: Real) -> float:
+    def similarity(self, enrolled: Real, test: Real) -> float:
         """Return how alike two embeddings (size,) are: their cosine, normalised [standard deviations]."""
-        return self._cohort.normalised(enrolled, heard)
+        return self._cohort.normalised(enrolled, test)
 
     def embed(self, samples: Real) -> Real:
         """Return the embedding of a recording (n,) at `RATE`, of length 1 or, with hardly any voice, 0, (size,)."""

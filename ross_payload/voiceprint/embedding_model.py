@@ -76,11 +76,13 @@ class EmbeddingModel:
             return np.zeros(self.size)
         return unit(np.concatenate([unit(self._run(filter_banks(samples))), self._built_in.embed(samples)]))
 
-    def similarity(self, enrolled: Real, heard: Real) -> float:
+    def similarity(self, enrolled: Real, test: Real) -> float:
         """Return how alike two embeddings (size,) are: the cosine by the network, and what the built-in model says."""
-        (own, given), (mine, told) = (np.split(each, [self._alone]) for each in (enrolled, heard))
-        cosine = float(unit(own) @ unit(mine))
-        return cosine + BUILT_IN * self._built_in.similarity(unit(given), unit(told))
+        (enrolled, enrolled_built_in), (test, test_built_in) = (
+            np.split(each, [self._alone]) for each in (enrolled, test)
+        )
+        cosine = float(unit(enrolled) @ unit(test))
+        return cosine + BUILT_IN * self._built_in.similarity(unit(enrolled_built_in), unit(test_built_in))
 
     def _run(self, features: Real) -> Real:
         """Return what the network makes of filter banks (n_frames, BANDS), (n,)."""

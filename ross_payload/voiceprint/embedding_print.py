@@ -68,7 +68,7 @@ class Embedder(Protocol):
     def size(self) -> int:
         """Numbers of an embedding."""
 
-    def similarity(self, enrolled: Real, heard: Real) -> float:
+    def similarity(self, enrolled: Real, test: Real) -> float:
         """Return how alike the embeddings of a print and of a recording are, (size,) each."""
 
     def embed(self, samples: Real) -> Real:

@@ -28,7 +28,7 @@ class Cohort:
     def __init__(self, embeddings: Real) -> None:
         self._embeddings = embeddings
 
-    def normalised(self, enrolled: Real, heard: Real) -> float:
+    def normalised(self, enrolled: Real, test: Real) -> float:
         """Return the cosine of a print with what was heard, of length 1, (size,) each, by those of the nearest talkers.
 
         In their standard deviations above their mean.
@@ -38,5 +38,5 @@ class Cohort:
         >>> cohort.normalised(voice, voice) > 0 > cohort.normalised(other, voice)
         True
         """
-        nearest = np.sort(self._embeddings @ heard)[-NEAREST:]
-        return float((enrolled @ heard - nearest.mean()) / max(nearest.std(), LEAST))
+        nearest = np.sort(self._embeddings @ test)[-NEAREST:]
+        return float((enrolled @ test - nearest.mean()) / max(nearest.std(), LEAST))

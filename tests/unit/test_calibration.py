@@ -112,7 +112,7 @@ def test_a_stretch_that_is_too_short_tells_nothing():
 
 def test_digital_silence_is_not_heard():
     silent = heading_spectrum(np.zeros((2, RATE), np.float32), RATE, 0.0)
-    assert silent.heard <= 0
+    assert silent.coherence <= 0
     assert not silent.weight.any()
 
 

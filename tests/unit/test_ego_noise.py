@@ -139,7 +139,7 @@ def test_silence_after_the_lead_in_is_nobody():
 def test_a_source_where_a_rotor_is_must_have_more_to_say_than_one_elsewhere(seen):
     joint = Joint(SPACING, SPEED_OF_SOUND)
     assert all(0 <= each.features.among.kept <= 1 for each in seen)
-    step = next(step for step in model_order.steps(joint.evidence(seen).rich, joint.price) if len(step.worth) == 1)
+    step = next(step for step in model_order.steps(joint.evidence(seen).rich, joint.penalty) if len(step.worth) == 1)
     at = joint.evidence(seen)
     there = Among((complex(step.model.amplitudes[0] * np.exp(1j * step.model.azimuths[0])),), at.among.kept)
     near, far = (
@@ -152,7 +152,7 @@ def test_a_source_where_a_rotor_is_must_have_more_to_say_than_one_elsewhere(seen
 def test_evidence_among_noise_has_weights_of_its_own(seen):
     joint = Joint(SPACING, SPEED_OF_SOUND)
     at = joint.evidence(seen)
-    (step, *_) = model_order.steps(at.rich, joint.price)
+    (step, *_) = model_order.steps(at.rich, joint.penalty)
     shown = talker_evidence.features(at, step, 0.0, [0])
     white = talker_evidence.features(dataclasses.replace(at, among=None), step, 0.0, [0])
     assert shown.shape[1] == white.shape[1] + len(talker_evidence.IN_NOISE)
@@ -175,5 +175,5 @@ def test_far_below_a_vehicle_the_weights_are_those_of_white_noise(seen):
     aloft = joint.evidence([dataclasses.replace(each, height=10.0) for each in seen])
     assert aloft.among is not None
     assert not aloft.in_noise
-    (step, *_) = model_order.steps(aloft.rich, joint.price)
+    (step, *_) = model_order.steps(aloft.rich, joint.penalty)
     assert talker_evidence.features(aloft, step, 0.0, [0]).shape[1] == len(talker_evidence.FEATURES)

@@ -104,7 +104,7 @@ def test_a_steep_source_is_reached_by_the_mixture_only_where_amplitudes_may_be_s
     counts = 50 * itd_mixture.densities(plain, truth)
     steep = itd_mixture.Data(GRID, HEADINGS, counts, below.amplitudes(20.0), below.ALIKE)
     level = itd_mixture.Data(GRID, HEADINGS, counts)
-    reached, missed = (model_order.search(data, model_order.Price(), 1) for data in (steep, level))
+    reached, missed = (model_order.search(data, model_order.Penalty(), 1) for data in (steep, level))
     assert reached is not None
     assert reached.model.amplitudes[0] == pytest.approx(0.2, abs=0.02)
     assert reached.model.azimuths[0] == pytest.approx(0.7, abs=0.05)
@@ -164,6 +164,6 @@ def test_two_at_one_azimuth_are_two_when_one_is_further_below() -> None:
     kernels = np.exp(-0.5 * ((GRID - centres) / 0.05) ** 2)
     counts = 20 * (kernels / kernels.sum(axis=-1, keepdims=True)).sum(axis=0) + 0.01
     data = itd_mixture.Data(GRID, HEADINGS, counts, below.amplitudes(10.0), below.ALIKE)
-    largest = next(model_order.steps(data, model_order.Price())).model
+    largest = next(model_order.steps(data, model_order.Penalty())).model
     np.testing.assert_allclose(np.sort(largest.amplitudes), [0.4, 0.95], atol=0.03)
     np.testing.assert_allclose(largest.azimuths, 0.7, atol=0.01)

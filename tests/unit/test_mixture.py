@@ -114,7 +114,7 @@ def test_sources_are_worth_more_than_ghosts_in_a_diffuse_field(degrees: tuple[fl
     """A poor room: ITDs shrunk to 0.82, wide kernels, a fifth of all counts diffuse."""
     azimuths = np.deg2rad(np.array(degrees, dtype=float))
     data = heard(azimuths, np.full(len(azimuths), 0.82), (0.13, 0.2), 60, seed)
-    by_order = {len(step.worth): step for step in model_order.steps(data, model_order.Price()) if step.possible}
+    by_order = {len(step.worth): step for step in model_order.steps(data, model_order.Penalty()) if step.possible}
     step = by_order[len(azimuths)]
     assert worst_deg(step.model, azimuths) < 6
     assert step.model.directness == pytest.approx(0.82, abs=0.05)
@@ -123,7 +123,7 @@ def test_sources_are_worth_more_than_ghosts_in_a_diffuse_field(degrees: tuple[fl
 
 def test_orders_fall_by_one_to_a_single_source() -> None:
     data = heard(np.deg2rad([0.0, 100.0]), np.ones(2), (0.08, 0.05), 100, seed=1)
-    orders = [len(step.worth) for step in model_order.steps(data, model_order.Price())]
+    orders = [len(step.worth) for step in model_order.steps(data, model_order.Penalty())]
     assert orders == list(range(orders[0], 0, -1))
 
 
@@ -133,7 +133,7 @@ def test_sources_do_not_gather_around_a_loud_talker_whose_kernel_fits_badly() ->
     off = grid - 0.85 * np.cos(talkers[:, None, None] - HEADINGS[:, None])  # (2, n_headings, n_bins)
     kernels = np.exp(-(np.abs(off / 0.12) ** 0.6))
     loud, soft = np.array([30.0, 4.0])[:, None, None] * kernels / kernels.sum(axis=-1, keepdims=True)
-    largest = next(model_order.steps(itd_mixture.Data(grid, HEADINGS, loud + soft + 0.02), model_order.Price()))
+    largest = next(model_order.steps(itd_mixture.Data(grid, HEADINGS, loud + soft + 0.02), model_order.Penalty()))
     assert largest.possible
     assert len(largest.worth) < 4
     apart = np.abs(difference(talkers[:, None], largest.model.azimuths)).min(axis=1)
@@ -142,11 +142,11 @@ def test_sources_do_not_gather_around_a_loud_talker_whose_kernel_fits_badly() ->
 
 def test_so_many_sources_are_fitted_as_are_told() -> None:
     data = heard(np.deg2rad([0.0, 100.0, -130.0]), np.ones(3), (0.08, 0.05), 100)
-    assert [len(step.worth) for k in (2, 3) if (step := model_order.search(data, model_order.Price(), k))] == [2, 3]
+    assert [len(step.worth) for k in (2, 3) if (step := model_order.search(data, model_order.Penalty(), k))] == [2, 3]
 
 
 def test_nothing_heard_is_no_source() -> None:
-    assert model_order.search(heard(np.zeros(1), np.ones(1), (0.1, 0.95), 0.0), model_order.Price(), 2) is None
+    assert model_order.search(heard(np.zeros(1), np.ones(1), (0.1, 0.95), 0.0), model_order.Penalty(), 2) is None
 
 
 def test_a_room_is_wet_when_itds_are_drawn_to_0_and_spread() -> None:
@@ -166,7 +166,7 @@ def test_a_source_between_two_true_ones_is_put_right() -> None:
     merged = itd_mixture.Mixture(np.deg2rad([15.0, 150.0, -90.0]), np.ones(3), np.full(3, 0.15), np.full((13, 5), 0.2))
     merged = itd_mixture.refine(data, merged, 10)
     assert worst_deg(merged, azimuths) > 10
-    assert worst_deg(model_order.rearrange(data, merged, model_order.Price()), azimuths) < 3
+    assert worst_deg(model_order.rearrange(data, merged, model_order.Penalty()), azimuths) < 3
 
 
 def test_the_likelihood_never_falls_by_refining_without_ties() -> None:

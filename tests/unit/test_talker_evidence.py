@@ -33,7 +33,7 @@ def turns(shares: Real, rng: np.random.Generator) -> Real:
 
 
 def step_of(heard: Evidence, k: int) -> Step:
-    found = model_order.search(heard.rich, model_order.Price(), k)
+    found = model_order.search(heard.rich, model_order.Penalty(), k)
     assert found is not None
     return found
 
@@ -76,7 +76,7 @@ def test_an_echo_is_less_probable_than_a_talker_of_the_same_strength() -> None:
 
 def test_features_are_finite_when_little_is_heard() -> None:
     for heard in (evidence(np.full((3, N_BLOCKS), 1e-6)), evidence(np.full((3, 1), 1.0))):
-        for step in model_order.steps(heard.rich, model_order.Price()):
+        for step in model_order.steps(heard.rich, model_order.Penalty()):
             assert np.isfinite(talker_evidence.features(heard, step, 0.0, range(len(step.worth)))).all()
 
 

@@ -191,7 +191,7 @@ def test_a_delay_that_is_as_long_as_on_the_axis_is_no_move(now, moved):
 
 def test_who_may_be_on_either_side_of_the_axis_has_not_moved():
     tracker = mirrored(2.0)
-    sides = [tracking.begin(estimate(azimuth, -60), SPACING, SPEED).told[0] for azimuth in (100, 140)]
+    sides = [tracking.begin(estimate(azimuth, -60), SPACING, SPEED).home_densities[0] for azimuth in (100, 140)]
     walks = np.outer(np.arange(len(RATES)) == 8, 0.2 * sides[0] + 0.8 * sides[1])
     still = tracker.tracks.hypotheses[0]
     tracker.tracks = replace(tracker.tracks, hypotheses=(replace(still, left={0: walks}),))

@@ -9,7 +9,7 @@ import pytest
 from examples import in_soak
 from heard_phases import SPACING, SPEED, STEP, phases
 from ross_payload.alignment.predicted_gain import predicted_gain
-from ross_payload.alignment.realignment import Beliefs, told, worth
+from ross_payload.alignment.realignment import Beliefs, resolving_value, worth
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.localization import tracking
 from ross_payload.localization.phase_statistics import FrameStatistics, silence, statistics
@@ -157,7 +157,7 @@ def test_past_the_axis_both_sides_stay_possible_until_the_array_turns():
             mirrored = 2 * math.degrees(0.6) - path(time)
             assert odds_of(tracks, 0, path(time)) > 0.2
             assert odds_of(tracks, 0, mirrored) > 0.02
-            here, there = told(beliefs_of(tracks), 0.6 + np.radians([0.0, -20.0]))
+            here, there = resolving_value(beliefs_of(tracks), 0.6 + np.radians([0.0, -20.0]))
             assert there > here + 0.5  # a turn would tell
     assert off(tracks, 0, path(time)) < 5.0
     assert odds_of(tracks, 0, path(time)) > 0.9
@@ -174,7 +174,7 @@ def test_of_two_with_one_delay_either_may_have_set_out_until_the_array_turns():
             stays = [odds_of(tracks, 1, axis + 50.0), odds_of(tracks, 2, axis - 50.0)]
             assert min(stays) > 0.15
             assert sum(stays) == pytest.approx(1.0, abs=0.2)
-            here, there = told(beliefs_of(tracks), np.radians([axis, axis + 25.0]))
+            here, there = resolving_value(beliefs_of(tracks), np.radians([axis, axis + 25.0]))
             assert there > here + 2.0
     assert off(tracks, 2, path(time)) < 5.0
     assert max(off(tracks, 0, 160.0), off(tracks, 1, axis + 50.0)) < 2.0

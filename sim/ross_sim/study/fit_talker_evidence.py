@@ -46,7 +46,7 @@ FOLDS = 6
 PENALTY = 5.0  # inverse of the strength of the penalty on standardised weights
 N_TREES, LEARNING_RATE, SUBSAMPLE = 200, 0.06, 0.5  # the last: share of the rows that a tree is fitted to
 MAX_LEAVES, MIN_LEAF_ROWS, MAX_FEATURES = 24, 20, 0.3  # the last: share of the features tried at a node
-FURTHER, HAUNTED = 0.4, 0.3  # weights of mixtures of another order, and of those with a ghost
+FURTHER, SPURIOUS = 0.4, 0.3  # weights of mixtures of another order, and of those with a spurious source
 DIGITS = 5
 
 
@@ -81,7 +81,7 @@ def descents_of(
     """Mixtures of falling order ``after`` so many rotations, of a scene with talkers at these azimuths [rad]."""
     for rotations in after:
         evidence, rows, rival = joint.evidence(seen[: rotations + 1]), [], 0.0
-        for step in model_order.steps(evidence.rich, joint.price):
+        for step in model_order.steps(evidence.rich, joint.penalty):
             if step.possible:
                 found = talker_evidence.features(evidence, step, rival, range(len(step.worth)))
                 rows.append(Row(found, step.least, owned(step.model.azimuths, azimuths)))
@@ -154,14 +154,14 @@ def training_rows(found: Sequence[Descent]) -> tuple[Real, Real, Real]:
     """What counting is learnt from: the source worth least of every mixture of about the right order.
 
     Features (n, n_features), whether there are as many talkers as sources (n,), and weights (n,): that order counts
-    most. Mixtures that are not too large and yet hold a ghost count little: they are right about K by chance.
+    most. Mixtures that are not too large and yet hold a spurious source count little: they are right about K by chance.
     """
     rows = [(row, descent.talkers - len(row.somebody)) for descent in found for row in descent.rows]
     near = [(row, fewer) for row, fewer in rows if -2 <= fewer <= 1]
     order = np.array([1.0 if fewer in (0, -1) else FURTHER for _, fewer in near])
-    haunted = np.array([fewer >= 0 and not row.somebody.all() for row, fewer in near])
+    spurious = np.array([fewer >= 0 and not row.somebody.all() for row, fewer in near])
     features = np.stack([row.features[row.least] for row, _ in near])
-    return features, np.array([fewer >= 0 for _, fewer in near]), order * np.where(haunted, HAUNTED, 1.0)
+    return features, np.array([fewer >= 0 for _, fewer in near]), order * np.where(spurious, SPURIOUS, 1.0)
 
 
 def chosen(descent: Descent, count: Classifier) -> Row | None:
