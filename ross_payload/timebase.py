@@ -82,7 +82,7 @@ class Timebase:
         self._behind = False  # the latest one was from long before
         self._epoch: float | None = None  # UNIX time at 0 of our clock [s]
         self._lock = threading.Lock()
-        self._told: tuple[float, float] | None = None  # by `usec` last, and when [s]
+        self._latest: tuple[float, float] | None = None  # by `usec` last, and when [s]
 
     @property
     def unix(self) -> bool:
@@ -94,10 +94,10 @@ class Timebase:
         with self._lock:
             now = self._clock.now()
             time = now + (self._since_1970() or 0.0)
-            if self._told is not None:
-                last, then = self._told
+            if self._latest is not None:
+                last, then = self._latest
                 time = max(time, last + SLOWEST * (now - then))
-            self._told = time, now
+            self._latest = time, now
         return round(time * 1e6)
 
     def utc(self) -> datetime | None:
@@ -115,30 +115,30 @@ class Timebase:
 
     def on_packet(self, received: ReceivedPacket) -> None:
         """Take in what any link has heard."""
-        said = vehicle.read(received.packet.message)
-        if isinstance(said, TimeSync) and said.answered is None:
-            self._answer(said, received.link)
+        message = vehicle.read(received.packet.message)
+        if isinstance(message, TimeSync) and message.answered is None:
+            self._answer(message, received.link)
         elif not self._autopilot.sent(received):
             return
-        elif isinstance(said, TimeSync) and said.answered is not None:
-            self._measure(said.asked, said.answered)
-        elif isinstance(said, SystemTime):
-            self._on_time(said)
+        elif isinstance(message, TimeSync) and message.answered is not None:
+            self._measure(message.asked, message.answered)
+        elif isinstance(message, SystemTime):
+            self._on_time(message)
         elif received.packet.name == "HEARTBEAT":
             self._asked.append(self._nanoseconds())
             self._send(TimeSync(self._asked[-1]), received.link)
 
-    def _on_time(self, said: SystemTime) -> None:
+    def _on_time(self, message: SystemTime) -> None:
         """Take what its clocks say; two in a row that are far behind mean that it has started anew, one is late."""
-        behind = said.boot < self._boot - ORDER_S
+        behind = message.boot < self._boot - ORDER_S
         if behind and not self._behind:
             self._behind = True
             return
         if behind:
             self._trips.clear()
-        self._boot, self._behind = said.boot, False
-        if said.unix is not None and said.unix < PLAUSIBLE:
-            self._set(said.unix - (self.local(said.boot) or self._clock.now()))
+        self._boot, self._behind = message.boot, False
+        if message.unix is not None and message.unix < PLAUSIBLE:
+            self._set(message.unix - (self.local(message.boot) or self._clock.now()))
 
     def _answer(self, request: TimeSync, link: str) -> None:
         now = self._clock.now()
@@ -166,8 +166,8 @@ class Timebase:
 
     def _since_1970(self) -> float | None:
         if self._epoch is None:
-            told = self._system()
-            self._epoch = None if told is None else told - self._clock.now()
+            system = self._system()
+            self._epoch = None if system is None else system - self._clock.now()
         return self._epoch
 
     def _send(self, value: TimeSync, link: str) -> None:

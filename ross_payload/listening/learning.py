@@ -13,7 +13,7 @@ LAST_CALL_S = 2.0  # that what is being learnt may take at the end
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lesson:
+class LearningRequest:
     """What is to be learnt from."""
 
     stretch: int  # its number, by which the answer is told from that of an earlier one
@@ -32,13 +32,13 @@ class Outcome:
 
 
 class Learner(Protocol):
-    """Learns, one lesson at a time."""
+    """Learns, one request at a time."""
 
     @property
     def idle(self) -> bool:
-        """Whether a lesson would be begun."""
+        """Whether a request would be begun."""
 
-    def begin(self, lesson: Lesson) -> None:
+    def begin(self, request: LearningRequest) -> None:
         """Begin to learn."""
 
     def outcome(self) -> Outcome | None:
@@ -48,13 +48,13 @@ class Learner(Protocol):
         """End; idempotent."""
 
 
-def learnt_from(separator: LiveSeparator, lesson: Lesson) -> Outcome:
+def learnt_from(separator: LiveSeparator, request: LearningRequest) -> Outcome:
     """Learn; what goes wrong in a separator of others is told."""
     try:
-        learnt = separator.learn(lesson.window, lesson.scene, lesson.before)
+        learnt = separator.learn(request.window, request.scene, request.before)
     except PluginError as error:
-        return Outcome(lesson.stretch, fault=str(error))
-    return Outcome(lesson.stretch, learnt)
+        return Outcome(request.stretch, fault=str(error))
+    return Outcome(request.stretch, learnt)
 
 
 class ImmediateLearner:
@@ -66,9 +66,9 @@ class ImmediateLearner:
         self._separator = separator
         self._outcome: Outcome | None = None
 
-    def begin(self, lesson: Lesson) -> None:
+    def begin(self, request: LearningRequest) -> None:
         """Learn."""
-        self._outcome = learnt_from(self._separator, lesson)
+        self._outcome = learnt_from(self._separator, request)
 
     def outcome(self) -> Outcome | None:
         """Return what was learnt since the last time that somebody asked."""
@@ -80,25 +80,25 @@ class ImmediateLearner:
 
 
 class BackgroundLearner:
-    """Learns on a thread of its own, which the first lesson starts."""
+    """Learns on a thread of its own, which the first request starts."""
 
     def __init__(self, separator: LiveSeparator) -> None:
         self._separator = separator
         self._changed = threading.Condition()
-        self._lesson: Lesson | None = None
+        self._request: LearningRequest | None = None
         self._outcome: Outcome | None = None
         self._over = False
         self._thread: threading.Thread | None = None
 
     @property
     def idle(self) -> bool:
-        """Whether a lesson would be begun."""
-        return self._lesson is None
+        """Whether a request would be begun."""
+        return self._request is None
 
-    def begin(self, lesson: Lesson) -> None:
+    def begin(self, request: LearningRequest) -> None:
         """Have it learnt."""
         with self._changed:
-            self._lesson = lesson
+            self._request = request
             self._changed.notify()
         if self._thread is None:
             self._thread = threading.Thread(target=self._work, name="learning", daemon=True)
@@ -112,7 +112,7 @@ class BackgroundLearner:
         return outcome
 
     def close(self) -> None:
-        """End after the lesson that is being learnt."""
+        """End after the request that is being learnt."""
         with self._changed:
             self._over = True
             self._changed.notify()
@@ -122,9 +122,9 @@ class BackgroundLearner:
     def _work(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._over or self._lesson is not None)
-                lesson = self._lesson
-            if self._over or lesson is None:
+                self._changed.wait_for(lambda: self._over or self._request is not None)
+                request = self._request
+            if self._over or request is None:
                 return
-            outcome = learnt_from(self._separator, lesson)
-            self._outcome, self._lesson = outcome, None
+            outcome = learnt_from(self._separator, request)
+            self._outcome, self._request = outcome, None

@@ -89,7 +89,7 @@ class OrderBook:
         if why := self._no_such(order.number):
             return why
         before = self._streams[order.number]
-        options = before.options | _told(order)
+        options = before.options | _sink_options(order)
         if options != before.options and (why := _wrong(before.sink, options)):
             return why
         self._put(
@@ -114,7 +114,7 @@ class OrderBook:
         same = [each.number for each in self._streams.values() if each.sink == ORDERED and _goes_to(each, order)]
         if same:
             return self._start(replace(order, number=same[0]))
-        if why := _wrong(ORDERED, _told(order)):
+        if why := _wrong(ORDERED, _sink_options(order)):
             return why
         used = {each.number for each in self._streams.values() if each.on or not each.ordered}
         free = [number for number in range(MAX_STREAMS) if number not in used]
@@ -131,7 +131,7 @@ class OrderBook:
                     order.selection or Selection(),
                     order.gain_db or 0.0,
                     bool(order.muted),
-                    options=_told(order),
+                    options=_sink_options(order),
                     ordered=True,
                 )
             }
@@ -189,8 +189,8 @@ def _impossible(order: StreamOrder) -> str:
     return ""
 
 
-def _told(order: StreamOrder) -> dict[str, Any]:
-    """Options of a sink that an order tells."""
+def _sink_options(order: StreamOrder) -> dict[str, Any]:
+    """Return the options of the sink that an order sets."""
     options = {"address": order.address, "port": order.port, "codec": order.codec}
     return {name: value for name, value in options.items() if value}
 

@@ -60,7 +60,7 @@ class ListeningStage:
         self._leaving: list[SinkRunner] = []
         self._statuses: tuple[StreamStatus, ...] = ()
         self._descriptions: dict[int, str] = {}
-        self._told = 0.0  # when the streams were told last, in audio [s]
+        self._reported_at = 0.0  # when the statuses were renewed last, in audio [s]
         self._begin(0)
 
     @property
@@ -95,7 +95,7 @@ class ListeningStage:
             if number in self._streams:
                 self._streams[number].change(settings)
         self._wanted = dict(wanted)
-        self._tell()
+        self._renew_statuses()
 
     def unheard(self) -> tuple[int, ...]:
         """Return the numbers of streams that nobody has taken for `LISTENER_TIMEOUT_S`; none in simulated time."""
@@ -112,27 +112,27 @@ class ListeningStage:
         """Take the next hop (2, n), and where the array pointed after it."""
         self._open_or_close()
         if not self._streams:
-            self._heard = -1
+            self._next = -1
             return
-        if block.index != self._heard:
+        if block.index != self._next:
             self._begin(block.index)
         n = block.samples.shape[1]
-        self._heard = block.index + n
+        self._next = block.index + n
         self._origin = block.time - block.index / self._rate
         frames = self._analysis.push(block.samples)
         for number in range(frames.shape[2]):
             self._frame(frames[..., number], pointing, settled=settled)
-        if self._heard / self._rate - self._told >= STATUS_S or self._told > self._heard / self._rate:
-            self._told = self._heard / self._rate
-            self._tell()
+        if self._next / self._rate - self._reported_at >= STATUS_S or self._reported_at > self._next / self._rate:
+            self._reported_at = self._next / self._rate
+            self._renew_statuses()
 
     def finish(self, why: str = "the program ends") -> None:
         """Give out what is still under way, and close every sink."""
-        if self._streams and self._heard >= 0:
+        if self._streams and self._next >= 0:
             rest = self._transform.latency + self._lookahead * self._transform.stft.hop
             frames = self._analysis.push(np.zeros((2, rest), np.float32))
             for number in range(frames.shape[2]):
-                self._mixed(frames[..., number], None, "", last=self._heard)
+                self._mixed(frames[..., number], None, "", last=self._next)
         ended, self._wanted = dict(self._streams), {}
         for number in ended:
             self._end(number, why)
@@ -147,7 +147,7 @@ class ListeningStage:
         self._analysis = StreamingAnalysis(self._transform, 2)
         self._delayed: deque[Complex] = deque()
         self._first = index
-        self._heard = index
+        self._next = index  # of the sample that comes next; -1: no stream is on
         self._frames = 0  # given out
         self._origin = 0.0  # time of sample 0 [s]
         self._separation.reset()
@@ -157,7 +157,7 @@ class ListeningStage:
             wanted = settings.on and (settings.wanted is None or settings.wanted())
             if wanted and number not in self._streams:
                 self._streams[number] = Stream(settings, self._transform, self._open_runner(settings))
-                self._tell()
+                self._renew_statuses()
             elif not wanted and number in self._streams:
                 self._end(number, "off at present")
 
@@ -167,7 +167,7 @@ class ListeningStage:
             return
         stream.end(why)
         self._leaving = [*(runner for runner in self._leaving[-8:]), stream.runner]
-        self._tell()
+        self._renew_statuses()
 
     def _frame(self, frame: Complex, pointing: Pointing, *, settled: bool) -> None:
         """Take one frame (2, n_freqs)."""
@@ -208,12 +208,12 @@ class ListeningStage:
         silent = self._config.listening.otherwise == "silence"
         return Portion(mixture * np.float32(0) if silent else mixture, detail=why or nobody)
 
-    def _tell(self) -> None:
-        def told(settings: StreamSettings) -> StreamStatus:
+    def _renew_statuses(self) -> None:
+        def status_of(settings: StreamSettings) -> StreamStatus:
             stream = self._streams.get(settings.number)
             return resting(settings, self._rate) if stream is None else stream.status()
 
-        self._statuses = tuple(told(self._wanted[number]) for number in sorted(self._wanted))
+        self._statuses = tuple(status_of(self._wanted[number]) for number in sorted(self._wanted))
         infos = {number: stream.runner.info for number, stream in self._streams.items()}
         self._descriptions = {number: info.sdp for number, info in infos.items() if info.sdp}
 

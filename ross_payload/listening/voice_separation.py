@@ -13,7 +13,7 @@ from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import PluginError
 from ross_payload.interfaces import Complex, Groups, LiveSeparator, Real, Scene
-from ross_payload.listening.learning import Learner, Lesson
+from ross_payload.listening.learning import Learner, LearningRequest
 from ross_payload.listening.scene_tracker import Placement
 
 LEAST_S = 0.5  # of audio from which anything is learnt
@@ -54,7 +54,7 @@ class VoiceSeparation:
         self._state: Any = None
         self._learnt: Any = None
         self._stretch = -1
-        self._heard = 0  # frames in this stretch
+        self._n_frames = 0  # in this stretch
         self.fault = ""
 
     def hear_noise(self, frame: Complex) -> None:
@@ -79,13 +79,13 @@ class VoiceSeparation:
         except PluginError as error:
             self._fail(str(error))
             return None
-        self._heard += 1
-        return groups if self._heard > self._separator.lookahead else None
+        self._n_frames += 1
+        return groups if self._n_frames > self._separator.lookahead else None
 
     def reset(self) -> None:
         """Forget this stretch."""
         self._state = self._learnt = None
-        self._stretch, self._heard, self.fault = -1, 0, ""
+        self._stretch, self._n_frames, self.fault = -1, 0, ""
         self._window.clear()
 
     def _separated(self, frame: Complex, scene: Scene, *, still: bool) -> Groups:
@@ -105,12 +105,12 @@ class VoiceSeparation:
                 raise PluginError(outcome.fault)
             self._learnt = outcome.learnt
             self._state = self._separator.renewed(self._state, outcome.learnt)
-        every = self._every if self._heard < self._early else LATER * self._every
-        enough = len(self._window) >= self._least and self._heard % every == 0
+        every = self._every if self._n_frames < self._early else LATER * self._every
+        enough = len(self._window) >= self._least and self._n_frames % every == 0
         if enough and self._learner.idle:
             window = np.stack(tuple(self._window), axis=-1)
             self._measure_noise(window)
-            self._learner.begin(Lesson(self._stretch, window, scene, self._learnt))
+            self._learner.begin(LearningRequest(self._stretch, window, scene, self._learnt))
 
     def _measure_noise(self, window: Complex) -> None:
         """Take the noise from the lead-in, if that was quiet against what is heard since."""

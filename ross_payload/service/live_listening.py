@@ -43,7 +43,7 @@ def listening_of(
 
 
 @contextmanager
-def heard(listening: Listening, source: AudioSource) -> Iterator[None]:
+def attached(listening: Listening, source: AudioSource) -> Iterator[None]:
     """Let a live listener have every block of a shared source at once, until the end."""
     with listening:
         if not (isinstance(source, SharedSource) and isinstance(listening, LiveListening)):

@@ -35,7 +35,7 @@ from ross_payload.service.assemble import settings_of, tools_of
 from ross_payload.service.condition import Condition
 from ross_payload.service.dronecan_node import Aboard, node_on_bus
 from ross_payload.service.health_socket import POLL_S, HealthSocket
-from ross_payload.service.live_listening import described, heard, listening_of, source_of
+from ross_payload.service.live_listening import attached, described, listening_of, source_of
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.service.voice_keeper import VoiceKeeper
@@ -110,7 +110,7 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.enter_context(parts.drained(recorder))
         component = parts.links.component(config.telemetry.component_id)
         component.tap(lambda frame: recorder.on_frame(parts.timebase.usec(), frame))
-        stack.enter_context(heard(listening, source))
+        stack.enter_context(attached(listening, source))
         stack.enter_context(described(listening, config))
         runner.observers = [monitor, telemetry, recorder, listening, keeper, *observers]
         stack.callback(clock.every(LOOK, partial(keeper.poll, partial(telemetry.send_text, Severity.ERROR))))

@@ -56,10 +56,10 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
             return order
         return replace(order, name=self._choose())
 
-    def poll(self, tell: Callable[[str], None]) -> None:
+    def poll(self, send_text: Callable[[str], None]) -> None:
         """Tell in words what went wrong since the last call."""
         while not self._troubles.empty():
-            tell(self._troubles.get())
+            send_text(self._troubles.get())
 
     def on_input(self, hop: Input) -> None:
         """Nobody is enrolled by a hop."""

@@ -271,14 +271,14 @@ class RecordingVoicePrint:
         self._on_score = on_score
 
     def score(self, voice: Real, rate: int) -> Score:
-        """Score, and tell the answer."""
-        return self._told(self._voiceprint.score(voice, rate))
+        """Score, and report the score."""
+        return self._reported(self._voiceprint.score(voice, rate))
 
     def score_clips(self, clips: Sequence[Clip], rate: int) -> Score:
-        """Score what was heard of one voice, and tell the answer."""
-        return self._told(self._voiceprint.score_clips(clips, rate))
+        """Score what was heard of one voice, and report the score."""
+        return self._reported(self._voiceprint.score_clips(clips, rate))
 
-    def _told(self, score: Score) -> Score:
+    def _reported(self, score: Score) -> Score:
         self._on_score(score)
         return score
 

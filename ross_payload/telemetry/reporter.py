@@ -29,10 +29,10 @@ class Reporter:
         self._send_text = send_text
         self.mission = MissionState()
         self._snapshot = Snapshot()
-        self._fault = ""  # that was said
+        self._fault = ""  # that was sent as a text
         self._densities: list[values.Density] = []
         self.sources: list[values.Source] = []  # of the latest estimate
-        self._told: list[values.Source] = []  # when they were announced last because they had moved
+        self._announced: list[values.Source] = []  # when they were announced last because they had moved
         self._tracked = -math.inf  # when that was, in mission time [s]
         self._alignments: list[values.Alignment] = []
         self._separations: list[values.Separation] = []
@@ -53,13 +53,13 @@ class Reporter:
         self._board.put(Rank.STATUS, [self.status])
 
     def handle(self, event: events.Event, snapshot: Snapshot) -> None:
-        """Take in what the mission has just said."""
+        """Take in an event of the mission."""
         self._snapshot = snapshot
         self.mission = reduce(self.mission, event)
         self._learn(event, Stamp(snapshot.time_usec, snapshot.earth))
-        said = line(event)
-        if said is not None:
-            self._send_text(*said)
+        text = line(event)
+        if text is not None:
+            self._send_text(*text)
         self._board.announce(Rank.STATUS, [self.status])
 
     def _learn(self, event: events.Event, stamp: Stamp) -> None:
@@ -102,9 +102,9 @@ class Reporter:
     def _track(self, event: events.SourcesTracked, stamp: Stamp) -> None:
         """Tell where the sources are by now: at once when one of them has moved, but not with every event."""
         self.sources = event_messages.tracked(self.sources, event, stamp)
-        moved = event_messages.moved(self._told, self.sources)
+        moved = event_messages.moved(self._announced, self.sources)
         if moved and event.time - self._tracked >= TRACKING_PERIOD:
-            self._told, self._tracked = self.sources, event.time
+            self._announced, self._tracked = self.sources, event.time
             self._board.announce(Rank.SOURCE, self.sources)
         else:
             self._board.put(Rank.SOURCE, self.sources)

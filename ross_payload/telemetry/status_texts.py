@@ -27,36 +27,36 @@ Line = tuple[Severity, str]
 
 def line(event: events.Event) -> Line | None:
     """Return what to tell an operator about an event; None: nothing."""
-    said: Line | None = None
+    text: Line | None = None
     match event:
         case events.StateChanged(state=events.State.LEAD_IN):
-            said = Severity.INFO, "mission started"
+            text = Severity.INFO, "mission started"
         case events.NoiseMeasured(level_db=None):
-            said = Severity.WARNING, "no quiet lead-in: the noise level is unknown"
+            text = Severity.WARNING, "no quiet lead-in: the noise level is unknown"
         case events.SourcesEstimated(informed=True):
-            said = Severity.INFO, f"using {_count(event.estimate.k, 'known source')}, not exploring"
+            text = Severity.INFO, f"using {_count(event.estimate.k, 'known source')}, not exploring"
         case events.SourcesEstimated(final=True):
             found = f"{_count(event.estimate.k, 'source')} found after {_count(event.rotations, 'turn')}"
-            said = Severity.INFO, found
+            text = Severity.INFO, found
         case events.SourcesReconsidered(dropped=(_, *_)):
-            said = Severity.NOTICE, f"{_count(len(event.dropped), 'source')} dropped: most probably nobody"
+            text = Severity.NOTICE, f"{_count(len(event.dropped), 'source')} dropped: most probably nobody"
         case events.AlignmentPlanned():
-            said = Severity.INFO, f"{_count(len(event.candidates), 'heading')} to try"
+            text = Severity.INFO, f"{_count(len(event.candidates), 'heading')} to try"
         case events.Checked(accepted=int(group)):
-            said = Severity.NOTICE, f"target recognised: {_who(event.groups[group])}"
+            text = Severity.NOTICE, f"target recognised: {_who(event.groups[group])}"
         case events.ScoreDropped():
             lost = f"target lost, score {event.value:.1f} below {event.criterion:.1f}"
             rival = f"source {event.other} may be the target, score {event.criterion:.1f} beside {event.value:.1f}"
-            said = Severity.WARNING, lost if event.other is None else rival
+            text = Severity.WARNING, lost if event.other is None else rival
         case events.Slipped():
-            said = Severity.WARNING, f"all azimuths shifted by {rotation(event.shift, 0)}: the array has slipped"
+            text = Severity.WARNING, f"all azimuths shifted by {rotation(event.shift, 0)}: the array has slipped"
         case events.ArrayContradicted():
-            said = Severity.WARNING, f"array: {contradicted(event)}: ross calibrate"
+            text = Severity.WARNING, f"array: {contradicted(event)}: ross calibrate"
         case events.Doubted():
-            said = Severity.WARNING, f"exploring after all: {event.reason}"
+            text = Severity.WARNING, f"exploring after all: {event.reason}"
         case events.Finished():
-            said = SEVERITIES.get(event.outcome, Severity.WARNING), f"mission over: {event.reason}"
-    return said
+            text = SEVERITIES.get(event.outcome, Severity.WARNING), f"mission over: {event.reason}"
+    return text
 
 
 def contradicted(event: events.ArrayContradicted) -> str:
@@ -128,6 +128,6 @@ class OperatorTexts:
         """Say a line, its beginning where it is too long, unless there were too many of late."""
         if may_say(self._bucket, severity, self._now()):
             self._count += 1
-            said = PREFIX + text
-            said = said if len(said) <= LONGEST else said[: LONGEST - 3] + "..."
-            self._give(chunks(severity, said, self._count % 65535 + 1))
+            whole = PREFIX + text
+            shown = whole if len(whole) <= LONGEST else whole[: LONGEST - 3] + "..."
+            self._give(chunks(severity, shown, self._count % 65535 + 1))

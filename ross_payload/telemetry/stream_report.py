@@ -31,29 +31,29 @@ class StreamReporter:
         self._board = board
         self._send_text = send_text
         self._streams = streams
-        self._told: tuple[StreamStatus, ...] = ()
+        self._reported: tuple[StreamStatus, ...] = ()
 
     @property
     def streaming(self) -> bool:
         """Whether what is heard leaves the payload: a stream is on that has, or may have, a listener."""
-        return any(status.on and not status.keeps and status.listeners != 0 for status in self._told)
+        return any(status.on and not status.keeps and status.listeners != 0 for status in self._reported)
 
     @property
     def recording(self) -> bool:
         """Whether what is heard stays on a disk."""
-        return any(status.on and status.keeps for status in self._told)
+        return any(status.on and status.keeps for status in self._reported)
 
     def look(self, time_usec: int, *, earth: bool) -> bool:
         """Look at the streams; return whether more than numbers have changed: those are sent at once."""
         now = self._streams()
-        changed = tuple(map(lasting, now)) != tuple(map(lasting, self._told))
+        changed = tuple(map(lasting, now)) != tuple(map(lasting, self._reported))
         (self._board.announce if changed else self._board.put)(Rank.STREAM, reports(now, time_usec, earth=earth))
-        before = {status.number: status for status in self._told}
-        self._told = now
+        before = {status.number: status for status in self._reported}
+        self._reported = now
         for status in now if changed else ():
-            said = line(before.get(status.number), status)
-            if said is not None:
-                self._send_text(*said)
+            text = line(before.get(status.number), status)
+            if text is not None:
+                self._send_text(*text)
         return changed
 
 

@@ -80,7 +80,7 @@ class SigningTime:
         self._bound = 0
         self._next = now
         self._saving: Future[int] | None = None
-        self._begun = now
+        self._saving_since = now
         self.trouble = ""  # why the bound cannot be raised
         with refused_as(ConfigError, f"{self._path}: the signing time cannot be saved"):
             self._bound = self._save(self._latest + STEP)
@@ -112,13 +112,13 @@ class SigningTime:
         if self._saving is not None:
             self._look(self._saving, now)
         if timestamp + STEP // 2 > self._bound and self._saving is None and now >= self._next:
-            self._saving, self._begun = begin(lambda: self._save(timestamp + STEP)), now
+            self._saving, self._saving_since = begin(lambda: self._save(timestamp + STEP)), now
         return timestamp <= self._bound - RESERVE
 
     def _look(self, saving: Future[int], now: float) -> None:
         """See what has become of the latest attempt to raise the bound."""
         if not saving.done():
-            if now - self._begun > HUNG:
+            if now - self._saving_since > HUNG:
                 self.trouble = f"{self._path}: the disk does not respond"
             return
         self._saving, error = None, saving.exception()

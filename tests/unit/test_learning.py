@@ -9,7 +9,7 @@ from ross_payload.config import Config
 from ross_payload.dsp.streaming_stft import transform_for
 from ross_payload.errors import PluginError
 from ross_payload.interfaces import Groups
-from ross_payload.listening.learning import BackgroundLearner, Lesson, Outcome
+from ross_payload.listening.learning import BackgroundLearner, LearningRequest, Outcome
 from ross_payload.listening.scene_tracker import Placement
 from ross_payload.listening.voice_separation import LEAST_S, VoiceSeparation
 from waiting import wait_for
@@ -53,10 +53,10 @@ class Pupil:
     idle = True
 
     def __init__(self):
-        self.lessons, self.told = [], None
+        self.requests, self.told = [], None
 
-    def begin(self, lesson):
-        self.lessons.append(lesson)
+    def begin(self, request):
+        self.requests.append(request)
 
     def outcome(self):
         told, self.told = self.told, None
@@ -78,13 +78,13 @@ def learner(separator):
     learner.close()
 
 
-def lesson(stretch):
-    return Lesson(stretch, np.zeros((2, STFT.frequencies.size, 10), np.complex64), None, None)
+def request(stretch):
+    return LearningRequest(stretch, np.zeros((2, STFT.frequencies.size, 10), np.complex64), None, None)
 
 
 def test_what_was_learnt_in_the_background_is_told_once(learner, separator):
     separator.go_on.clear()
-    learner.begin(lesson(3))
+    learner.begin(request(3))
     assert (learner.idle, learner.outcome()) == (False, None)
     separator.go_on.set()
     wait_for(lambda: learner.idle)
@@ -95,7 +95,7 @@ def test_what_was_learnt_in_the_background_is_told_once(learner, separator):
 
 def test_what_fails_in_the_background_is_told_in_words(learner, separator):
     separator.fault = "separator 'theirs': learn: too little"
-    learner.begin(lesson(4))
+    learner.begin(request(4))
     wait_for(lambda: learner.idle)
     told = learner.outcome()
     assert (told.stretch, told.learnt, told.fault) == (4, None, separator.fault)
@@ -106,7 +106,7 @@ def test_what_was_learnt_at_another_heading_is_not_taken_over():
     voices = VoiceSeparation(separator, pupil, STFT, Config())
     for _ in range(2 * round(LEAST_S / STFT.period)):
         voices.step(FRAME, Placement(TAU, stretch=1))
-    assert [each.stretch for each in pupil.lessons][:1] == [1]
+    assert [each.stretch for each in pupil.requests][:1] == [1]
     voices.step(FRAME, Placement(TAU, stretch=2))
     pupil.told = Outcome(1, "of the heading before")
     voices.step(FRAME, Placement(TAU, stretch=2))

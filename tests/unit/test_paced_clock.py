@@ -11,7 +11,7 @@ from ross_payload.streams import Selection, StreamStatus
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.paced_clock import Pacer, RealTimeClock
 from ross_sim.sitl.pace import ListenedSpeed
-from ross_sim.sitl.serve import HeardTime
+from ross_sim.sitl.serve import MissionProgress
 from waiting import wait_for
 
 FAST = 50.0
@@ -91,22 +91,22 @@ def test_who_sleeps_wakes_when_the_simulated_time_has_come():
 def test_it_waits_for_who_must_not_miss_anything():
     simulated = SimClock()
     with RealTimeClock(simulated, lambda: 1000.0, ahead=0.5) as clock:
-        clock.on_heard(clock.now())
-        heard = clock._heard
-        most = heard + 0.5 + 1.5 * QUANTUM
-        wait_for(lambda: clock.now() > heard + 0.5 - QUANTUM / 2)
+        clock.on_progress(clock.now())
+        progress = clock._progress
+        most = progress + 0.5 + 1.5 * QUANTUM
+        wait_for(lambda: clock.now() > progress + 0.5 - QUANTUM / 2)
         clock._over.wait(0.05)  # fifty seconds of simulated time, if it went on
         assert clock.now() < most
-        clock.on_heard(clock.now())
+        clock.on_progress(clock.now())
         wait_for(lambda: clock.now() > most)
 
 
 def test_it_goes_on_when_nobody_hears_any_more():
     clock = RealTimeClock(SimClock(), lambda: FAST, ahead=0.5)
-    heard = HeardTime(clock)
-    heard.on_input(SimpleNamespace(block=SimpleNamespace(time=-1.0)))  # late before it begins
+    mission = MissionProgress(clock)
+    mission.on_input(SimpleNamespace(block=SimpleNamespace(time=-1.0)))  # late before it begins
     with clock:
-        with heard:
+        with mission:
             clock._over.wait(0.05)  # seconds of simulated time, if it went on
             assert clock.now() == 0.0
         clock.sleep(1.0)

@@ -8,7 +8,7 @@ from ross_payload.separation.local_gaussian_model import separator as gaussian
 from ross_payload.voiceprint.built_in import BuiltInModel, encode_model
 from ross_payload.voiceprint.features import RATE
 from ross_sim.study import reader_mixtures, train_voiceprint, voice_pieces
-from ross_sim.study.calibration_voices import N_FOLDS, Heard, enrolments, folds_of
+from ross_sim.study.calibration_voices import N_FOLDS, SeparatedVoice, enrolments, folds_of
 from ross_sim.study.reader_mixtures import groups_of, heard
 from ross_sim.study.train_voiceprint import trained
 from ross_sim.study.training_voices import readers
@@ -140,7 +140,7 @@ def test_a_voice_is_compared_with_its_fold_by_what_was_learnt_without_it():
         "c": np.array([0.0, 1.0]),
         "d": np.array([0.0, -1.0]),
     }
-    heard_of = [Heard("readers", "S1 0", "ab".find(name) < 0, 3.0, name, voices[name]) for name in voices]
+    heard_of = [SeparatedVoice("readers", "S1 0", "ab".find(name) < 0, 3.0, name, voices[name]) for name in voices]
     enrolled = {0: {name: [voices[name]] for name in "ab"}, 1: {name: [voices[name]] for name in "cd"}}
     models = {0: Model(0), 1: Model(1)}
     found = trials(models, Corpus(heard_of, enrolled))[3.0]

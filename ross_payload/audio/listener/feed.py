@@ -28,7 +28,7 @@ class Progress:
     """How a feed is."""
 
     playing: bool  # something is heard at the moment
-    heard: bool  # something came at all
+    received: bool  # something came at all
     words: str  # about delay and losses
     ended: bool = False  # the sender said that it is over
     final: bool = False  # nothing can come any more

@@ -91,7 +91,7 @@ def to_file(feed: Feed, path: Path, meter: Meter, clock: Clock) -> Iterator[Pump
     except OSError as error:
         raise OutputError(f"{path}: cannot be written: {error.strerror}") from error
     finally:
-        if not feed.progress(0.0).heard:
+        if not feed.progress(0.0).received:
             path.unlink(missing_ok=True)
 
 
@@ -168,7 +168,7 @@ def listen(
             if clock.now() >= told + LINE_S:
                 told += LINE_S
                 report(_line(feed, meter, told - began, wall()))
-    if not progress.heard:
+    if not progress.received:
         raise AudioError(f"nothing came to {feed.where} in {clock.now() - began:.0f} s")
     if _is_lost(progress) and not waits:
         raise AudioError(f"nothing has come to {feed.where} for {progress.silent_s:.0f} s, and no end was said")
@@ -179,12 +179,12 @@ def _is_over(progress: Progress, *, waits: bool) -> bool:
 
 
 def _is_lost(progress: Progress) -> bool:
-    return progress.heard and not progress.ended and progress.silent_s >= LISTENER_TIMEOUT_S
+    return progress.received and not progress.ended and progress.silent_s >= LISTENER_TIMEOUT_S
 
 
 def _line(feed: Feed, meter: Meter, time: float, wall: float) -> str:
     progress, level = feed.progress(wall), meter.level()
-    if not progress.heard:
+    if not progress.received:
         return f"{time:6.0f} s  waits on {feed.where}"
     quiet = "" if progress.playing else "; waits for the next" if progress.ended else "; nothing comes"
     return f"{time:6.0f} s  {level:6.1f} dB  {progress.words}{quiet}"

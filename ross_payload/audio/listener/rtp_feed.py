@@ -97,8 +97,8 @@ class RtpFeed(Feed):
         with self._guard:
             reception = self._receiver.reception(self._clock.now())
             total = self._receiver.total_delay(wall)
-        heard, over = reception.received > 0, reception.ended and not reception.playing
-        return Progress(reception.playing, heard, _words(reception, total), ended=over, silent_s=reception.silent_s)
+        received, over = reception.received > 0, reception.ended and not reception.playing
+        return Progress(reception.playing, received, _words(reception, total), ended=over, silent_s=reception.silent_s)
 
     def _run(self, sock: socket.socket) -> None:
         events = select.poll()

@@ -52,7 +52,7 @@ class FileSink:
     """
 
     def __init__(self, options: FileOptions, services: SinkServices) -> None:
-        self._told = Path(options.path)  # as others shall read it: not where on this computer
+        self._configured = Path(options.path)  # as others shall read it: not where on this computer
         named = expanded(options.path)
         self._wanted = named if named.parent != Path() or options.path.startswith(".") else services.folder / named
         self._rate = services.rate
@@ -71,7 +71,7 @@ class FileSink:
     @property
     def _name(self) -> str:
         """The file as the configuration names it, with the number that it got."""
-        return str(self._told.with_name(self._path.name))
+        return str(self._configured.with_name(self._path.name))
 
     def write(self, block: VoiceBlock) -> None:
         """Write samples at their place.
@@ -103,7 +103,7 @@ class FileSink:
         AudioError
             When it cannot be made, or there is no room for it.
         """
-        with refused_as(AudioError, f"{self._told}: cannot be made"):
+        with refused_as(AudioError, f"{self._configured}: cannot be made"):
             make_private(self._wanted.parent)
             _check_room(self._wanted.parent, round(ROOM_S * self._rate) * WIDTH)
             self._path, self._track = _created(self._wanted, self._rate)

@@ -36,21 +36,21 @@ def chained(data: bytes, begin: int, end: int) -> Places:
     `CHAIN` records of unknown messages in a row will do, too. A record is the stamp and the frame.
     """
     octets = np.frombuffer(data, np.uint8, min(len(data), end + (CHAIN + 2) * LONGEST) - begin, begin)
-    heads = _Heads(octets, begin + len(octets) == len(data))
+    starts = _FrameStarts(octets, begin + len(octets) == len(data))
     first = np.arange(max(min(end - begin, len(octets) - STAMP), 0), dtype=np.int64) + STAMP
-    first = first[heads.good[first]]
-    known, after = heads.known[first], first + heads.size[first] + STAMP
-    both = known & heads.at(heads.good, after)
+    first = first[starts.good[first]]
+    known, after = starts.known[first], first + starts.size[first] + STAMP
+    both = known & starts.at(starts.good, after)
     chain = ~known
     for _ in range(CHAIN - 1):
-        chain &= heads.at(heads.good, after) & ~heads.at(heads.known, after)
-        after = after + heads.at(heads.size, after) + STAMP
+        chain &= starts.at(starts.good, after) & ~starts.at(starts.known, after)
+        after = after + starts.at(starts.size, after) + STAMP
     places: Places = first[both | chain] - STAMP + begin
     return places
 
 
 @dataclass(slots=True, init=False)
-class _Heads:
+class _FrameStarts:
     """What every byte would be as the first of a frame."""
 
     size: NDArray[np.int64]  # of the frame [bytes], 0: none begins here

@@ -71,7 +71,7 @@ class Shell:
             why_may_come = doing.state in ("refused", "failed") and now - doing.at < REASON_WITHIN_S
             if not why_may_come and self._reported.get(doing.number) != (doing.state, doing.reason):
                 self._reported[doing.number] = doing.state, doing.reason
-                self._write(_fate(doing))
+                self._write(_outcome_text(doing))
 
     @property
     def payload(self) -> PayloadState | None:
@@ -137,7 +137,7 @@ class Shell:
         self._write(f"commands go to {self._known().who}")
 
 
-def _fate(doing: CommandStatus) -> str:
+def _outcome_text(doing: CommandStatus) -> str:
     reason = f": {clean(doing.reason)}" if doing.reason else ""
     return f"RoSS {doing.who} {doing.words}: {doing.state.replace('_', ' ')}{reason}"
 

@@ -19,7 +19,7 @@ MOST_CHUNKS = 20  # of a text: 1000 characters
 
 
 @dataclass(slots=True)
-class _Begun:
+class _PartialText:
     severity: int
     at: float  # of its first chunk [s]
     parts: dict[int, str] = field(default_factory=dict)
@@ -45,20 +45,20 @@ class Texts:
     """
 
     def __init__(self) -> None:
-        self._begun: OrderedDict[int, _Begun] = OrderedDict()  # by the id of the text
-        self._done: OrderedDict[int, tuple[float, _Begun]] = OrderedDict()  # when [s] and what, by the id of the text
+        self._partial: OrderedDict[int, _PartialText] = OrderedDict()  # by the id of the text
+        self._done: OrderedDict[int, tuple[float, _PartialText]] = OrderedDict()  # when [s] and what, by the same id
 
     def on_chunk(self, text: Text, at: float) -> list[StatusText]:
         """Take a chunk that came ``at`` a time [s]; return the texts that are whole, or will not be."""
         if not text.id:
             return [*self.completed(at), StatusText(at, int(text.severity), text.text)]
-        begun = self._begun.get(text.id)
+        begun = self._partial.get(text.id)
         if begun is None and self._is_double(text, at):
             return self.completed(at)
         given_up = []
         if begun is not None and not begun.may_have(text):
-            given_up.append(_put_together(self._begun.pop(text.id), at))
-        begun = self._begun.setdefault(text.id, _Begun(int(text.severity), at))
+            given_up.append(_put_together(self._partial.pop(text.id), at))
+        begun = self._partial.setdefault(text.id, _PartialText(int(text.severity), at))
         if text.chunk < MOST_CHUNKS:
             begun.parts[text.chunk] = text.text
         if len(text.text) < TEXT_SIZE:
@@ -72,13 +72,13 @@ class Texts:
 
     def completed(self, at: float) -> list[StatusText]:
         """Return the texts that are whole, or have waited long enough ``at`` a time [s], which may be infinite."""
-        if not self._begun:
+        if not self._partial:
             return []
-        over = [number for number, begun in self._begun.items() if _is_whole(begun) or at - begun.at > REST_TIMEOUT_S]
+        over = [number for number, begun in self._partial.items() if _is_whole(begun) or at - begun.at > REST_TIMEOUT_S]
         texts = []
         for number in over:
             self._done.pop(number, None)
-            begun = self._begun.pop(number)
+            begun = self._partial.pop(number)
             end = min(at, begun.at + REST_TIMEOUT_S)  # though it may be noticed later, when something comes
             self._done[number] = end, begun
             texts.append(_put_together(begun, end))
@@ -108,11 +108,11 @@ class RecentTexts:
         return self._latest
 
 
-def _is_whole(begun: _Begun) -> bool:
+def _is_whole(begun: _PartialText) -> bool:
     return begun.last is not None and all(index in begun.parts for index in range(begun.last + 1))
 
 
-def _put_together(begun: _Begun, at: float) -> StatusText:
+def _put_together(begun: _PartialText, at: float) -> StatusText:
     end = max(begun.parts, default=0) if begun.last is None else begun.last
     words = "".join(begun.parts.get(index, GAP) for index in range(end + 1))
     return StatusText(at, begun.severity, words if begun.last is not None else words + GAP.rstrip())

@@ -51,7 +51,7 @@ class PacketStore:
         self._timestamp = 0  # the latest
         self._waiting: dict[int, Queued] = {}
         self._given_up: OrderedDict[int, None] = OrderedDict()  # nothing of them came in time
-        self._begun = False  # something was taken
+        self._playing = False  # a packet was taken or given up
         self._after_jump: int | None = None  # the number that would confirm a restart
 
     def add(self, packet: RtpPacket) -> Queued | None:
@@ -68,7 +68,7 @@ class PacketStore:
             self._timestamp + _difference(packet.timestamp, self._timestamp, 32),
             packet.payload,
         )
-        if not self._begun and step < 0:  # overtaken by the first one that came
+        if not self._playing and step < 0:  # overtaken by the first one that came
             self.next = min(self.next, sequence)
         if sequence in self._waiting or (sequence < self.next and sequence not in self._given_up):
             self.counts.duplicates += 1
@@ -96,12 +96,12 @@ class PacketStore:
         while self.next < first.sequence:
             self.give_up()
         del self._waiting[first.sequence]
-        self.next, self._begun = first.sequence + 1, True
+        self.next, self._playing = first.sequence + 1, True
         self.counts.late += late
 
     def give_up(self) -> None:
         """Wait no longer for the packet that would be next."""
-        self._begun = True
+        self._playing = True
         self.counts.lost += 1
         self._given_up[self.next] = None
         self.next += 1

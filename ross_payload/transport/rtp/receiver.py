@@ -81,7 +81,7 @@ class _L16Decoder:
     def decode(self, payload: bytes) -> Samples:
         if not payload or len(payload) % 2:
             raise ValueError(f"expected samples of two bytes, got {len(payload)} bytes")
-        return self._concealer.heard(np.frombuffer(payload, ">i2").astype(np.float32) * np.float32(1 / 32768))
+        return self._concealer.resume(np.frombuffer(payload, ">i2").astype(np.float32) * np.float32(1 / 32768))
 
     def has_fec(self, after: bytes) -> bool:
         return False

@@ -34,7 +34,7 @@ class Concealer:
         self._period: Samples | None = None  # that is repeated while something is missing
         self._filled = 0  # samples of this gap
 
-    def heard(self, samples: Samples) -> Samples:
+    def resume(self, samples: Samples) -> Samples:
         """Take samples (n,) that came; return them, after a gap faded in from the substitute."""
         if self._period is not None and len(samples):
             fade = min(round(FADE_S * self._rate), len(samples))
