@@ -20,14 +20,14 @@ class Microphones(Table):
     invert: tuple[bool, bool] = (False, False)  # their polarity
     swapped: bool = False  # their cables
 
-    def spacing(self, told: Array) -> float:
-        """Return the true distance between the microphones [m]; ``told`` is what the payload is told."""
-        return told.spacing_m if self.spacing_m is None else self.spacing_m
+    def spacing(self, configured: Array) -> float:
+        """Return the true distance between the microphones [m]; ``configured`` is what the payload is told."""
+        return configured.spacing_m if self.spacing_m is None else self.spacing_m
 
-    def offset(self, told: Array) -> float:
-        """Return the true offset of the array's axis [rad]; ``told`` is what the payload is told.
+    def offset(self, configured: Array) -> float:
+        """Return the true offset of the array's axis [rad]; ``configured`` is what the payload is told.
 
         >>> Microphones().offset(Array(offset_deg=180.0)) == math.pi
         True
         """
-        return math.radians(told.offset_deg if self.offset_deg is None else self.offset_deg)
+        return math.radians(configured.offset_deg if self.offset_deg is None else self.offset_deg)

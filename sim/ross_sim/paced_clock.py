@@ -68,7 +68,7 @@ class RealTimeClock:
     speed
         Times real time, finite.
     ahead
-        Time that what `on_heard` is told may be behind before it is waited for [s].
+        Time by which what `on_progress` reports may be behind before it is waited for [s].
     """
 
     def __init__(self, simulated: SimClock, speed: Speed, ahead: float = math.inf) -> None:
@@ -76,7 +76,7 @@ class RealTimeClock:
         self._wall = SystemClock()
         self._pacer = Pacer(speed, self._wall, simulated.now())
         self._ahead = ahead
-        self._heard: float | None = None
+        self._progress: float | None = None
         self._moved = threading.Condition(threading.RLock())  # held while time moves on
         self._failure: Exception | None = None
         self._over = threading.Event()
@@ -86,9 +86,9 @@ class RealTimeClock:
         """Return the simulated time [s]."""
         return self._simulated.now()
 
-    def on_heard(self, time: float) -> None:
+    def on_progress(self, time: float) -> None:
         """Learn how far those are who must not miss anything [s]."""
-        self._heard = time
+        self._progress = time
 
     def sleep(self, duration: float) -> None:
         """Wait for ``duration`` [s] of simulated time.
@@ -157,7 +157,7 @@ class RealTimeClock:
 
     def _wait(self) -> float:
         """How long the next quantum has to wait, at least [s]."""
-        heard = self._heard
-        if heard is not None and self.now() - heard > self._ahead:
+        progress = self._progress
+        if progress is not None and self.now() - progress > self._ahead:
             return QUANTUM
         return self._pacer.delay(self.now() + QUANTUM)

@@ -50,14 +50,14 @@ class Memory:
 
     def __init__(self):
         self.heard_by_hop, self.missing_by_hop = [], []
-        self.story = EventLog()
+        self.log = EventLog()
 
     def on_input(self, heard):
         self.heard_by_hop.append(heard.block.samples[0])
         self.missing_by_hop.append(bool(heard.block.flags & AudioFlag.MISSING))
 
     def on_event(self, event, heard):
-        self.story.events.append(event)
+        self.log.events.append(event)
 
 
 def wired(config, source, wire):
@@ -117,7 +117,7 @@ def judge(scenario, world, memory, result, quiet):
     lag = int(np.argmax(np.abs(correlate(truth.mixture, first[: 10 * RATE], mode="valid")))) - begin
     places = [compared(lag + begin, piece, truth.mixture) for begin, piece in heard]
     truth = replace(truth, images=truth.images[:, lag:], mixture=truth.mixture[lag:])
-    values = report(memory.story, truth, result, {"payload": scenario.payload.model_dump(mode="json")})
+    values = report(memory.log, truth, result, {"payload": scenario.payload.model_dump(mode="json")})
     began = lag / scenario.payload.audio.rate_hz - quiet  # in the time of the scenario [s]
     zeros = sum(
         int(np.sum(hop == 0)) for hop, gone in zip(memory.heard_by_hop, memory.missing_by_hop, strict=True) if gone

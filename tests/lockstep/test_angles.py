@@ -56,7 +56,7 @@ class Eyes:
     stream: io.StringIO = field(default_factory=io.StringIO)
     live: io.StringIO = field(default_factory=io.StringIO)
     log: io.StringIO = field(default_factory=io.StringIO)
-    story: EventLog = field(default_factory=EventLog)
+    event_log: EventLog = field(default_factory=EventLog)
 
     def __post_init__(self):
         self.lines = PlainLines(Console(file=self.stream, width=200))
@@ -74,8 +74,8 @@ class Eyes:
     def on_event(self, event, heard):
         for each in (self.lines, self.view, LogObserver()):
             each.on_event(event, heard)
-        self.story.events.append(event)
-        self.story.earth = heard.pointing.earth
+        self.event_log.events.append(event)
+        self.event_log.earth = heard.pointing.earth
 
     def close(self):
         self.view.close()
@@ -124,7 +124,7 @@ def flown(request, tmp_path_factory):
     scenario, eyes, out = load(str(folder / "short.toml")), Eyes(), folder / "out"
     try:
         with ResultsFolder(out) as written:
-            finished = perform(scenario, talkers_of(scenario, None, None), eyes, written, None, tape=folder / "tape")
+            finished = perform(scenario, talkers_of(scenario, None, None), eyes, written, None, record=folder / "tape")
     finally:
         eyes.close()
     printed = io.StringIO()
@@ -193,7 +193,7 @@ def test_no_line_of_the_table_is_wider_than_80_columns_and_no_word_is_cut(flown)
 
 
 def test_the_log_says_it(flown):
-    turns = [event for event in flown.eyes.story.events if isinstance(event, TurnStarted)]
+    turns = [event for event in flown.eyes.event_log.events if isinstance(event, TurnStarted)]
     said = re.findall(rf"turning to heading ({NUMBERS}) deg {flown.frame}, joint", flown.eyes.log.getvalue())
     assert [float(each) for each in said] == pytest.approx([-np.rad2deg(t.heading) % 360 for t in turns], abs=0.06)
     assert numbers(rf"separated .* at heading ({NUMBERS}) deg {flown.frame}", flown.eyes.log.getvalue()) == (
@@ -210,7 +210,7 @@ def test_both_pictures_are_compasses_and_have_the_sources_in_the_same_place(flow
         mixture=np.ones(16000 * 60, np.float32),
         target=flown.report["target"],
     )
-    mission = mission_figure(flown.eyes.story, truth, rate=16000, unit=0.05 / 343, title="")
+    mission = mission_figure(flown.eyes.event_log, truth, rate=16000, unit=0.05 / 343, title="")
     flight = flight_figure(flown.told)
     for figure in (mission, flight):
         rose = next(axes for axes in all_axes(figure) if axes.name == "polar")
@@ -231,11 +231,11 @@ def all_axes(figure):
 def test_a_picture_turns_with_the_headings_that_it_draws(flown):
     """The densities are drawn at their headings, and the ticks name them as a compass does."""
     truth = Truth((), np.zeros(0), np.zeros(0), np.zeros((0, 1), np.float32), np.ones(16000 * 60, np.float32), "")
-    figure = mission_figure(flown.eyes.story, truth, rate=16000, unit=0.05 / 343, title="")
+    figure = mission_figure(flown.eyes.event_log, truth, rate=16000, unit=0.05 / 343, title="")
     densities = next(axes for axes in figure.axes if axes.get_title().startswith("heard"))
     assert densities.get_ylabel() == f"heading {flown.frame} [deg]"
     levels = [drawn.get_paths()[0].vertices[:, 1].min() for drawn in densities.collections]
-    steps = [event.heading for event in flown.eyes.story.events if type(event).__name__ == "OrientationHeard"]
+    steps = [event.heading for event in flown.eyes.event_log.events if type(event).__name__ == "OrientationHeard"]
     same(levels, [-np.rad2deg(heading) % 360 for heading in steps], 0.1)
     assert densities.yaxis.get_major_formatter()(-15.0, 0) == "345"
 

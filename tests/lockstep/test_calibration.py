@@ -61,7 +61,7 @@ class Watch:
 
 def test_a_calibration_finds_the_true_array_and_its_session_tells_the_same(tmp_path, monkeypatch, capsys):
     watch = Watch()
-    heard, _ = turned_in(scenario(**NIMBLE), phone(), PLAN, (watch,), tape=tmp_path / "tapes")
+    heard, _ = turned_in(scenario(**NIMBLE), phone(), PLAN, (watch,), record=tmp_path / "tapes")
     found = calibrate(heard, SPEED, azimuth=AZIMUTH)
     assert found.headings == 6
     assert found.spacing == pytest.approx(0.064, abs=5e-4)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ross_payload.interfaces import Samples
 from ross_sim.acoustics.impulse_responses import Responses
-from ross_sim.acoustics.render import Heard, TalkerSignals
+from ross_sim.acoustics.render import HeadingSignals, TalkerSignals
 from ross_sim.acoustics.room import RoomSpec, respond
 from ross_sim.talkers.path import Path
 from ross_sim.talkers.timeline import Timeline
@@ -100,7 +100,7 @@ class MovingTalker:
 class MixedTalkers:
     """Talkers at rest and talkers who walk, in the order of the scenario."""
 
-    def __init__(self, resting: Heard, walking: Sequence[MovingTalker], places: Sequence[int]) -> None:
+    def __init__(self, resting: HeadingSignals, walking: Sequence[MovingTalker], places: Sequence[int]) -> None:
         self._resting, self._walking, self._places = resting, walking, places
 
     def at(self, heading: float, first: int, last: int) -> Samples:

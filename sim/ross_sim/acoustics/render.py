@@ -37,7 +37,7 @@ class HeadingResponses(Protocol):
         """Return the responses at a heading [rad], (2, n_sources, at most n_taps)."""
 
 
-class Heard(Protocol):
+class HeadingSignals(Protocol):
     """Signals of talkers at any heading."""
 
     def at(self, heading: float, first: int, last: int) -> Samples:
@@ -107,7 +107,7 @@ class Microphones:
     goes on instead: nearly all responses of a mission are those of turns, which in a room take most of its time.
     """
 
-    def __init__(self, stems: Heard, spacing: float, heading: float, *, turns_heard: bool = True) -> None:
+    def __init__(self, stems: HeadingSignals, spacing: float, heading: float, *, turns_heard: bool = True) -> None:
         self._stems = stems
         self._held = None if turns_heard else heading
         self._step = 2 * math.pi / max(72, math.ceil(math.pi * spacing / DISPLACEMENT))

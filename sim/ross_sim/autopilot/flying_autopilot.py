@@ -64,7 +64,7 @@ class FlyingAutopilot:
         self._due: dict[int, float] = {}
         self._steps = 0
         self._said_mode = modes.mode
-        self._mode_told, self._mode_is_news = -math.inf, True  # by CURRENT_MODE of PX4
+        self._mode_sent, self._mode_is_news = -math.inf, True  # by CURRENT_MODE of PX4
         self._lags = cycle(STAMP_LAGS)
         self._past: list[tuple[float, float]] = [(0.0, modes.body.yaw)]  # when [s], true yaw [rad]
 
@@ -111,11 +111,11 @@ class FlyingAutopilot:
         changed, self._said_mode = self.modes.mode != self._said_mode, self.modes.mode
         if changed and self.ardupilot and HEARTBEAT not in ready:
             ready.append(HEARTBEAT)  # at once
-        self._mode_is_news = self._mode_is_news or changed or now - self._mode_told >= STATE_PERIOD_S - EARLY
+        self._mode_is_news = self._mode_is_news or changed or now - self._mode_sent >= STATE_PERIOD_S - EARLY
         if CURRENT_MODE in ready and not self._mode_is_news:
             ready.remove(CURRENT_MODE)
         elif CURRENT_MODE in ready:
-            self._mode_told, self._mode_is_news = now, False
+            self._mode_sent, self._mode_is_news = now, False
         for number in ready:
             self._due[number] = max(self._due.get(number, now) + self._periods[number], now)
         return [] if self.mute else [self._message(number, now) for number in ready]

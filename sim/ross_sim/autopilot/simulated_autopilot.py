@@ -118,7 +118,7 @@ class Autopilot:
         self._rotors, told = rotors, ROTORS.get(rotor_messages, ())
         groups = -(-len(rotors()) // rotor_speeds.EACH) if rotors is not None else 0
         self._adjustable = ADJUSTABLE | frozenset(told[:groups])
-        self._told = 0  # messages about rotors so far
+        self._n_rotor_messages = 0  # sent so far
         self._system_id = system_id
         self._periods = PERIODS | {ATTITUDE: attitude}
         self._boot = boot
@@ -208,9 +208,9 @@ class Autopilot:
             return rotor_speeds.rotor_status(shown, speeds)
         if number == rotor_speeds.SENSORS:
             return rotor_speeds.rotor_sensors(speeds)
-        self._told += 1
+        self._n_rotor_messages += 1
         group = rotor_speeds.TELEMETRY.index(number)
-        return rotor_speeds.rotor_telemetry(speeds[group * rotor_speeds.EACH :], group, self._told)
+        return rotor_speeds.rotor_telemetry(speeds[group * rotor_speeds.EACH :], group, self._n_rotor_messages)
 
     def _shown(self, now: float) -> float:
         """What its clock shows [s]."""

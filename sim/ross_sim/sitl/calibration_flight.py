@@ -56,12 +56,12 @@ def turned_in(
     observers: tuple[Observer, ...] = (),
     *,
     shaft: Shaft | None = None,
-    tape: Path | None = None,
+    record: Path | None = None,
     cache: Path | None = None,
 ) -> tuple[list[HeadingSpectrum], World]:
     """Turn in a scenario and listen; return what was heard at every heading, and the world with its truth.
 
-    ``shaft`` is the error of the true joint angle at every angle [rad], None: there is none; in the folder ``tape``
+    ``shaft`` is the error of the true joint angle at every angle [rad], None: there is none; in the folder ``record``
     the session is recorded.
 
     Raises
@@ -82,6 +82,6 @@ def turned_in(
         stack.enter_context(world.source)
         able = actuator.capabilities
         begin = Beginning("session", config, able.lower, able.upper)
-        recorder = stack.enter_context(recorded(tape, begin, clock, links))
+        recorder = stack.enter_context(recorded(record, begin, clock, links))
         seeing = observers if recorder is None else (*observers, recorder)
         return turned(Rig(clock, actuator, world.source, mount), config, plan, seeing), world

@@ -96,7 +96,7 @@ def command(
         if looking is not None:
             click.echo(f"the page: {looking.url}", err=as_json)
         changes["listen"] = listen
-        return _run(scenario, changes, looking, out=out, speed=speed, tape=record, serving=serving, as_json=as_json)
+        return _run(scenario, changes, looking, out=out, speed=speed, record=record, serving=serving, as_json=as_json)
 
 
 def _kept(record: Path | None) -> Path:
@@ -112,14 +112,14 @@ def _listing_recordings(folder: Path, as_json: bool) -> Iterator[None]:
     from ross_payload.sessions.catalog import described
     from ross_payload.sessions.session_store import SessionStore
 
-    shelf = SessionStore(folder)
-    before = {kept.path for kept in shelf.all()}
+    store = SessionStore(folder)
+    before = {kept.path for kept in store.all()}
     if not as_json:
         click.echo(f"recordings are kept in {folder}")
     try:
         yield
     finally:
-        for kept in shelf.all():
+        for kept in store.all():
             if kept.path not in before:
                 click.echo(f"recorded {described(kept).seconds:.0f} s: {kept.path}", err=as_json)
 
@@ -131,7 +131,7 @@ def _run(
     *,
     out: Path | None,
     speed: float | None,
-    tape: Path | None,
+    record: Path | None,
     serving: bool,
     as_json: bool,
 ) -> int:
@@ -155,7 +155,7 @@ def _run(
         chosen = linked(chosen)
         if not as_json:
             click.echo(f"MAVLink at {', '.join(link.url for link in chosen.payload.links)}", err=True)
-    telling = _listing_recordings(_kept(tape), as_json) if serving else nullcontext()
+    telling = _listing_recordings(_kept(record), as_json) if serving else nullcontext()
     with ResultsFolder(out) if out is not None else nullcontext() as folder, telling:
         with waiting(as_json, f"{chosen.title}: preparing the voices"):
             company = talkers_of(chosen, changes["speech"], changes["target"])
@@ -164,10 +164,10 @@ def _run(
         try:
             with shown:
                 if serving:
-                    kept, always = _kept(tape), tape is not None
+                    kept, always = _kept(record), record is not None
                     serve(chosen, company, view, out=folder, speed=speed, recordings=kept, always=always)
                     return 0
-                finished = perform(chosen, company, view, folder, speed, tape=tape, page=looking)
+                finished = perform(chosen, company, view, folder, speed, record=record, page=looking)
         finally:
             view.close()
     show(finished, out, as_json)

@@ -25,37 +25,37 @@ LOWER = [
 ]  # width, height: to find them takes 0.3 s a picture
 
 
-def draw(path: Path, story: EventLog, truth: Truth, *, rate: int, unit: float, title: str) -> None:
+def draw(path: Path, log: EventLog, truth: Truth, *, rate: int, unit: float, title: str) -> None:
     """Write the picture of a mission as PNG; the same bytes for the same mission.
 
     ``unit`` is d / v_p [s]: the largest TDOA there is.
     """
     with mpl.rc_context(STYLE):
-        figure = figure_of(story, truth, rate=rate, unit=unit, title=title)
+        figure = figure_of(log, truth, rate=rate, unit=unit, title=title)
         figure.savefig(path, format="png", dpi=110, metadata={"Software": None})
 
 
-def figure_of(story: EventLog, truth: Truth, *, rate: int, unit: float, title: str) -> Figure:
+def figure_of(log: EventLog, truth: Truth, *, rate: int, unit: float, title: str) -> Figure:
     """Return the picture of a mission, not written yet; the arguments are those of `draw`."""
     figure = Figure(figsize=(13, 8.2))
     FigureCanvasAgg(figure)
     figure.suptitle(title, y=0.99, fontsize=12, fontweight="bold")
-    _polar(figure.add_axes(UPPER[0], projection="polar"), story, truth)
-    _densities(figure.add_axes(UPPER[1]), story, unit)
-    _isolation(figure.add_axes(UPPER[2]), story)
-    _spectrograms([figure.add_axes(place) for place in LOWER], story, truth, rate)
+    _polar(figure.add_axes(UPPER[0], projection="polar"), log, truth)
+    _densities(figure.add_axes(UPPER[1]), log, unit)
+    _isolation(figure.add_axes(UPPER[2]), log)
+    _spectrograms([figure.add_axes(place) for place in LOWER], log, truth, rate)
     return figure
 
 
-def _polar(axes: Any, story: EventLog, truth: Truth) -> None:
-    compass_rose(axes, "where: truth (rings), found (wedges), headings", earth=story.earth)
+def _polar(axes: Any, log: EventLog, truth: Truth) -> None:
+    compass_rose(axes, "where: truth (rings), found (wedges), headings", earth=log.earth)
     axes.set_ylim(0, 1.3)
     for name, azimuth in zip(truth.names, -truth.azimuths, strict=True):
         axes.plot([azimuth], [1.0], "o", ms=13, mfc="none", mec="black", mew=1.4)
         axes.annotate(name, (azimuth, 1.22), ha="center", va="center")
-    for event in orientations(story):
+    for event in orientations(log):
         axes.plot([-event.heading, np.pi - event.heading], [0.42, 0.42], color="0.82", lw=0.8)
-    estimated: SourcesEstimated | None = story.last(SourcesEstimated)
+    estimated: SourcesEstimated | None = log.last(SourcesEstimated)
     for index, source in enumerate(estimated.estimate.sources if estimated else ()):
         width = max(2 * source.sigma, np.deg2rad(1.5))
         axes.bar(
@@ -66,20 +66,20 @@ def _polar(axes: Any, story: EventLog, truth: Truth) -> None:
             alpha=0.35 + source.confidence / 2,
         )
         axes.annotate(f"{index}", (-source.azimuth, 0.8), ha="center", va="center", fontweight="bold")
-    checked: Checked | None = story.last(Checked)
+    checked: Checked | None = log.last(Checked)
     if checked is not None:
         heading = -checked.candidate.heading
         arrow = {"arrowstyle": "-|>", "lw": 2, "color": "black"}
         axes.annotate("", (heading, 0.5), (heading + np.pi, 0.5), arrowprops=arrow)
 
 
-def _densities(axes: Any, story: EventLog, unit: float) -> None:
+def _densities(axes: Any, log: EventLog, unit: float) -> None:
     axes.set_title("heard: ITD density per orientation")
     axes.set_xlabel("ITD [us]")
-    axes.set_ylabel(f"heading {frame(story.earth)} [deg]")
+    axes.set_ylabel(f"heading {frame(log.earth)} [deg]")
     axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 1.5, 3, 4.5, 6, 9, 10]))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda level, place: f"{level % 360:g}"))
-    heard = orientations(story)
+    heard = orientations(log)
     if not heard:
         return
     step = np.median(np.abs(np.diff([np.rad2deg(event.heading) for event in heard]))) if len(heard) > 1 else 15.0
@@ -88,7 +88,7 @@ def _densities(axes: Any, story: EventLog, unit: float) -> None:
         shape = event.density / peak if peak > 0 else event.density
         axes.fill_between(event.grid * 1e6, level, level + 0.9 * step * shape, color="#0072b2", alpha=0.35, lw=0)
     headings = np.linspace(heard[0].heading, heard[-1].heading, 200)
-    estimated: SourcesEstimated | None = story.last(SourcesEstimated)
+    estimated: SourcesEstimated | None = log.last(SourcesEstimated)
     reach = np.abs(heard[0].grid).max() * 1e6
     for index, source in enumerate(estimated.estimate.sources if estimated else ()):
         tau = unit * np.cos(source.elevation or 0.0) * np.cos(source.azimuth - headings) * 1e6
@@ -98,12 +98,12 @@ def _densities(axes: Any, story: EventLog, unit: float) -> None:
         axes.legend(loc="upper right", fontsize=7)
 
 
-def _isolation(axes: Any, story: EventLog) -> None:
+def _isolation(axes: Any, log: EventLog) -> None:
     axes.set_title("where to turn: predicted isolation of each source")
     axes.set_xlabel("heading modulo 180 [deg]")
     axes.xaxis.set_major_locator(MultipleLocator(45))
     axes.set_ylabel("isolation [us]")
-    planned: AlignmentPlanned | None = story.last(AlignmentPlanned)
+    planned: AlignmentPlanned | None = log.last(AlignmentPlanned)
     if planned is None:
         return
     headings = _axis(planned.headings)
@@ -114,7 +114,7 @@ def _isolation(axes: Any, story: EventLog) -> None:
     for candidate in planned.candidates:
         colour = COLOURS[candidate.source % len(COLOURS)]
         axes.plot([_axis(candidate.heading)], [candidate.isolation * 1e6], "v", color=colour, ms=7)
-    checked: Checked | None = story.last(Checked)
+    checked: Checked | None = log.last(Checked)
     if checked is not None:
         axes.axvline(_axis(checked.candidate.heading), color="black", lw=1, ls=":", label="array")
     axes.legend(fontsize=7)
@@ -125,8 +125,8 @@ def _axis(heading: Any) -> Any:
     return np.rad2deg(-heading) % 180
 
 
-def _spectrograms(axes: list[Any], story: EventLog, truth: Truth, rate: int) -> None:
-    separated: Separated | None = story.last(Separated)
+def _spectrograms(axes: list[Any], log: EventLog, truth: Truth, rate: int) -> None:
+    separated: Separated | None = log.last(Separated)
     for which, title in zip(axes, ("before: microphone 1", "after: the target's voice"), strict=True):
         which.set_title(title)
         which.set_xlabel("time [s]")

@@ -79,12 +79,12 @@ def perform(
     out: ResultsFolder | None,
     speed: float | None,
     *,
-    tape: Path | None = None,
+    record: Path | None = None,
     page: PageObserver | None = None,
     tracker: type[SourceTracker] = SourceTracker,
     cache: Path | None = None,
 ) -> Finished:
-    """Run one mission in lock-step, write its results, record it in the folder ``tape``, and let ``page`` look on.
+    """Run one mission in lock-step, write its results, record it in the folder ``record``, and let ``page`` look on.
 
     Impulse responses of true rooms are kept in the folder ``cache``; None: see ``cache_folder``.
 
@@ -98,7 +98,7 @@ def perform(
     draw = _picture(scenario) if out is not None else None
     with ExitStack() as stack, computing():
         staged = _staged(
-            stack, scenario, company, view, out, speed=speed, tape=tape, page=page, tracker=tracker, cache=cache
+            stack, scenario, company, view, out, speed=speed, record=record, page=page, tracker=tracker, cache=cache
         )
         ready = wall.now()
         with on_signal(lambda _: staged.runner.order(Stop())):
@@ -106,9 +106,9 @@ def perform(
         staged.listening.close()
         _expect_whole(staged.listening)
         done = wall.now()
-    story, simulated = staged.collector.story, staged.world.clock.now()
+    log, simulated = staged.collector.log, staged.world.clock.now()
     truth = _truth(scenario, staged.world, staged.cast, company.target)
-    values = report(story, truth, result, _configuration(scenario)) | moving_report(story, truth)
+    values = report(log, truth, result, _configuration(scenario)) | moving_report(log, truth)
     complaints = staged.far_end.complaints()
     if complaints:
         values["complaints"] = complaints
@@ -116,9 +116,9 @@ def perform(
     timing["times_real_time"] = simulated / max(done - ready, 1e-9)
     timing["payload_cpu_s"] = staged.cost.seconds
     if out is not None and draw is not None:
-        _write(out, story, truth, values, scenario)
+        _write(out, log, truth, values, scenario)
         with out.writing("mission.png") as path:
-            draw(path, story, truth)
+            draw(path, log, truth)
         timing["results_s"] = wall.now() - done
         out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
     return Finished(result, values, timing, staged.cost, tuple(complaints))
@@ -145,7 +145,7 @@ def _staged(
     out: ResultsFolder | None,
     *,
     speed: float | None,
-    tape: Path | None,
+    record: Path | None,
     page: PageObserver | None,
     tracker: type[SourceTracker],
     cache: Path | None,
@@ -162,7 +162,7 @@ def _staged(
     stack.enter_context(world.source)
     mount, _ = aboard(scenario, clock, links, world.rotor_speeds)
     clock.every(POLL, links.poll)
-    recorder = stack.enter_context(recorded(tape, _beginning(scenario, company, actuator), clock, links))
+    recorder = stack.enter_context(recorded(record, _beginning(scenario, company, actuator), clock, links))
     cost = Cost()
     runner = _runner(scenario, company, world, actuator, mount, recorder=recorder, tracker=tracker, cost=cost)
     asked = ListenedSpeed(speed)
@@ -309,10 +309,10 @@ def _picture(scenario: Scenario) -> Callable[[Path, EventLog, Truth], None]:
     return partial(draw, rate=config.audio.rate_hz, unit=unit, title=scenario.title)
 
 
-def _write(out: ResultsFolder, story: EventLog, truth: Truth, values: dict[str, Any], scenario: Scenario) -> None:
+def _write(out: ResultsFolder, log: EventLog, truth: Truth, values: dict[str, Any], scenario: Scenario) -> None:
     rate = scenario.payload.audio.rate_hz
     out.write_json("report.json", values)
-    out.write_text("events.jsonl", "".join(map(event_json.line, story.events)))
+    out.write_text("events.jsonl", "".join(map(event_json.line, log.events)))
     write_azimuths(out, scenario, truth.mixture.size)
-    for name, voice in voices_of(story.last(Separated)).items():
+    for name, voice in voices_of(log.last(Separated)).items():
         write_wav(out.staging / name, voice, rate)

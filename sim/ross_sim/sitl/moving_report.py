@@ -10,18 +10,18 @@ from ross_payload.events import Separated, SourcesEstimated, SourcesTracked
 from ross_sim.sitl.report import EventLog, Truth, match, qualities
 
 
-def moving_report(story: EventLog, truth: Truth) -> dict[str, Any]:
+def moving_report(log: EventLog, truth: Truth) -> dict[str, Any]:
     """Return ``tracks`` and ``periods``, as plain values; nothing when nobody moves."""
     if not truth.walks:
         return {}
-    return {"tracks": tracks(story, truth), "periods": periods(story, truth)}
+    return {"tracks": tracks(log, truth), "periods": periods(log, truth)}
 
 
-def tracks(story: EventLog, truth: Truth) -> list[dict[str, Any]]:
+def tracks(log: EventLog, truth: Truth) -> list[dict[str, Any]]:
     """Every tracked azimuth beside the true one of the talker for whom its source was found."""
     rows: list[dict[str, Any]] = []
     pairs: dict[int, int] = {}
-    for event in story.events:
+    for event in log.events:
         if isinstance(event, SourcesEstimated):
             pairs = match(event.estimate.sources, truth.azimuths_at(event.time))
         if not isinstance(event, SourcesTracked):
@@ -45,11 +45,11 @@ def tracks(story: EventLog, truth: Truth) -> list[dict[str, Any]]:
     return rows
 
 
-def periods(story: EventLog, truth: Truth) -> list[dict[str, Any]]:
+def periods(log: EventLog, truth: Truth) -> list[dict[str, Any]]:
     """Every T_run: from when, and the SI-SDR of the target and of the mixture [dB]."""
     rows: list[dict[str, Any]] = []
-    for event in story.all(Separated):
-        quality = qualities(event, story.estimated_before(event), truth)[event.target]
+    for event in log.all(Separated):
+        quality = qualities(event, log.estimated_before(event), truth)[event.target]
         rows.append(
             {
                 "time_s": round(event.time, 3),

@@ -56,7 +56,7 @@ class PageVoices(LiveListening):
         super().__init__(config, PacedTime(pacer), Path(), locate=self._located)
         speed.streams = self.streams
         self._speed, self._pacer, self._wall = speed, pacer, SystemClock()
-        self._heard: SimpleQueue[tuple[float, Input, Event | None] | None] = SimpleQueue()
+        self._to_present: SimpleQueue[tuple[float, Input, Event | None] | None] = SimpleQueue()
         self._pointed: deque[tuple[float, Pointing, bool]] = deque(maxlen=KEPT)
         self._presenter = threading.Thread(target=self._present, name="presentation", daemon=True)
 
@@ -64,11 +64,11 @@ class PageVoices(LiveListening):
         """Take a hop; from the mission's thread, never waits."""
         lead = LEAD_S if self._speed.listened else 0.0
         delay = self._pacer.delay(hop.block.time)
-        self._heard.put((self._wall.now() + delay + lead, hop, None))
+        self._to_present.put((self._wall.now() + delay + lead, hop, None))
 
     def on_event(self, event: Event, hop: Input) -> None:
         """Take what the mission says; from its thread, never waits."""
-        self._heard.put((0.0, hop, event))
+        self._to_present.put((0.0, hop, event))
 
     def __enter__(self) -> PageVoices:
         """Begin to listen."""
@@ -78,13 +78,13 @@ class PageVoices(LiveListening):
 
     def close(self) -> None:
         """Give out what is under way; idempotent."""
-        self._heard.put(None)
+        self._to_present.put(None)
         if self._presenter.is_alive():
             self._presenter.join(LEAD_S + LAST_CALL_S)
         super().close()
 
     def _present(self) -> None:
-        while (item := self._heard.get()) is not None:
+        while (item := self._to_present.get()) is not None:
             due, hop, event = item
             if event is not None:
                 super().on_event(event, hop)

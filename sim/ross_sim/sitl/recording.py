@@ -25,7 +25,7 @@ class Collector:
     """Follows a mission: keeps its events, writes the mixture and the event log as they happen."""
 
     mixture: WavWriter | None
-    story: EventLog = field(default_factory=EventLog)
+    log: EventLog = field(default_factory=EventLog)
 
     def on_input(self, hop: Input) -> None:
         """Write one hop of the mixture."""
@@ -34,9 +34,9 @@ class Collector:
 
     def on_event(self, event: Event, hop: Input) -> None:
         """Keep the event, and the frame of its angles."""
-        self.story.events.append(event)
+        self.log.events.append(event)
         if isinstance(event, (SourcesEstimated, TurnStarted)):
-            self.story.earth = hop.pointing.earth
+            self.log.earth = hop.pointing.earth
 
 
 @contextmanager

@@ -118,47 +118,47 @@ def _quality(group: GroupScore, voice: Real, talkers: list[int], truth: Truth, s
     return GroupQuality(names, group.value, group.accepted, after, after - before)
 
 
-def report(story: EventLog, truth: Truth, result: Result, configuration: dict[str, Any]) -> dict[str, Any]:
+def report(log: EventLog, truth: Truth, result: Result, configuration: dict[str, Any]) -> dict[str, Any]:
     """Everything worth keeping, as plain values: no paths, no timings, the same on every rerun."""
-    estimated: SourcesEstimated | None = story.last(SourcesEstimated)
-    sources, time = (_as_sure_as_now(story, estimated), estimated.time) if estimated else ((), 0.0)
+    estimated: SourcesEstimated | None = log.last(SourcesEstimated)
+    sources, time = (_as_sure_as_now(log, estimated), estimated.time) if estimated else ((), 0.0)
     return {
         "outcome": result.outcome.name.lower(),
         "reason": result.reason,
         "target": truth.target,
-        "frame": "earth" if story.earth else "mount",
+        "frame": "earth" if log.earth else "mount",
         "k_true": len(truth.names),
         "k": len(sources),
         "rotations": estimated.rotations if estimated else 0,
         "informed": estimated.informed if estimated else False,
-        "heard_from_s": _heard_from(story, configuration["payload"]["audio"]["rate_hz"]),
-        "right_from_s": right_from(story, truth, configuration["payload"]["audio"]["rate_hz"]),
-        "mission_s": _round(story.last(Finished).time if story.last(Finished) else None, 3),
-        "restarts": max(sum(event.index == 0 for event in story.all(OrientationHeard)) - 1, 0),
+        "heard_from_s": _heard_from(log, configuration["payload"]["audio"]["rate_hz"]),
+        "right_from_s": right_from(log, truth, configuration["payload"]["audio"]["rate_hz"]),
+        "mission_s": _round(log.last(Finished).time if log.last(Finished) else None, 3),
+        "restarts": max(sum(event.index == 0 for event in log.all(OrientationHeard)) - 1, 0),
         "sources": _sources(sources, truth, time),
         "missed": _missed(sources, truth, time),
-        "slips_deg": [_round(math.degrees(event.shift), 2) for event in story.all(Slipped)],
-        "alignment": _alignment(story),
-        "checks": [_check(event) for event in story.all(Checked)],
-        "groups": _groups(story, truth),
+        "slips_deg": [_round(math.degrees(event.shift), 2) for event in log.all(Slipped)],
+        "alignment": _alignment(log),
+        "checks": [_check(event) for event in log.all(Checked)],
+        "groups": _groups(log, truth),
         "versions": {name: version(name) for name in PACKAGES} | {"python": platform.python_version()},
         "configuration": configuration,
     }
 
 
-def _heard_from(story: EventLog, rate: int) -> float | None:
-    separated: Separated | None = story.last(Separated)
+def _heard_from(log: EventLog, rate: int) -> float | None:
+    separated: Separated | None = log.last(Separated)
     return None if separated is None else _round(separated.start / rate, 3)
 
 
-def right_from(story: EventLog, truth: Truth, rate: int) -> float | None:
+def right_from(log: EventLog, truth: Truth, rate: int) -> float | None:
     """When the first T_run began whose target sounds more like the true one than like any other talker [s], or None.
 
     Likeness is the correlation with every talker's image at microphone 1, which the SI-SDR grows with.
     """
     if truth.target not in truth.names:
         return None
-    for event in story.all(Separated):
+    for event in log.all(Separated):
         voice = np.asarray(event.voices[event.target], np.float64)
         images = truth.images[:, event.start : event.start + voice.size].astype(np.float64)
         alike = np.abs(images @ voice) / np.maximum(np.linalg.norm(images, axis=1), np.finfo(float).tiny)
@@ -167,10 +167,10 @@ def right_from(story: EventLog, truth: Truth, rate: int) -> float | None:
     return None
 
 
-def _as_sure_as_now(story: EventLog, estimated: SourcesEstimated) -> tuple[SourceEstimate, ...]:
+def _as_sure_as_now(log: EventLog, estimated: SourcesEstimated) -> tuple[SourceEstimate, ...]:
     """The sources of the last estimate, with confidences by all that was heard."""
-    again: SourcesReconsidered | None = story.last(SourcesReconsidered)
-    told = again is not None and story.events.index(again) > story.events.index(estimated)
+    again: SourcesReconsidered | None = log.last(SourcesReconsidered)
+    told = again is not None and log.events.index(again) > log.events.index(estimated)
     return again.estimate.sources if again is not None and told else estimated.estimate.sources
 
 
@@ -208,10 +208,10 @@ def _missed(sources: Sequence[SourceEstimate], truth: Truth, time: float) -> lis
     ]
 
 
-def _alignment(story: EventLog) -> dict[str, Any] | None:
-    separated: Separated | None = story.last(Separated)
-    checked: Checked | None = story.last(Checked)
-    planned: AlignmentPlanned | None = story.last(AlignmentPlanned)
+def _alignment(log: EventLog) -> dict[str, Any] | None:
+    separated: Separated | None = log.last(Separated)
+    checked: Checked | None = log.last(Checked)
+    planned: AlignmentPlanned | None = log.last(AlignmentPlanned)
     if planned is None:
         return None
     used: AlignmentCandidate | None = checked.candidate if checked else None
@@ -243,11 +243,11 @@ def _check(event: Checked) -> dict[str, Any]:
     }
 
 
-def _groups(story: EventLog, truth: Truth) -> list[dict[str, Any]]:
-    separated: Separated | None = story.last(Separated)
+def _groups(log: EventLog, truth: Truth) -> list[dict[str, Any]]:
+    separated: Separated | None = log.last(Separated)
     if separated is None:
         return []
-    found = qualities(separated, story.estimated_before(separated), truth)
+    found = qualities(separated, log.estimated_before(separated), truth)
     return [
         {
             "talkers": list(quality.names),
@@ -265,10 +265,10 @@ def _groups(story: EventLog, truth: Truth) -> list[dict[str, Any]]:
     ]
 
 
-def orientations(story: EventLog) -> list[OrientationHeard]:
+def orientations(log: EventLog) -> list[OrientationHeard]:
     """Return the orientations of the last exploration only."""
     heard: list[OrientationHeard] = []
-    for event in story.all(OrientationHeard):
+    for event in log.all(OrientationHeard):
         heard = [event] if event.index == 0 else [*heard, event]
     return heard
 

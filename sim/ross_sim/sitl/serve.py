@@ -88,7 +88,7 @@ def serve(
         observers: list[Observer] = [view, GroundTruthObserver(world, truth)]
         hearing: AbstractContextManager[object] = nullcontext()
         if isinstance(clock, RealTimeClock):
-            observers.append(hearing := HeardTime(clock))
+            observers.append(hearing := MissionProgress(clock))
             stack.callback(sys.setswitchinterval, sys.getswitchinterval())
             sys.setswitchinterval(SWITCH)
             stack.enter_context(clock)
@@ -110,7 +110,7 @@ def _run(runner: Runner) -> None:
         hearing_signals(mission.submit(runner.run))
 
 
-class HeardTime(MissionView):
+class MissionProgress(MissionView):
     """Tells a clock in real time how far the mission has heard: it waits rather than lose what is heard.
 
     As a context manager it lets time go on in the end, when nobody hears: what is left to say needs some to be sent.
@@ -121,7 +121,7 @@ class HeardTime(MissionView):
 
     def on_input(self, hop: Input) -> None:
         """Tell it."""
-        self._clock.on_heard(hop.block.time)
+        self._clock.on_progress(hop.block.time)
 
     def __enter__(self) -> Self:
         """Hear."""
@@ -129,7 +129,7 @@ class HeardTime(MissionView):
 
     def __exit__(self, *exception: object) -> None:
         """Hear no more."""
-        self._clock.on_heard(math.inf)
+        self._clock.on_progress(math.inf)
 
 
 def linked(scenario: Scenario) -> Scenario:

@@ -10,7 +10,7 @@ from pathlib import Path
 from ross_payload.errors import ConfigError
 from ross_sim.acoustics.impulse_responses import Responses
 from ross_sim.acoustics.moving_talker import MixedTalkers, MovingTalker
-from ross_sim.acoustics.render import Heard, TalkerSignals, gains
+from ross_sim.acoustics.render import HeadingSignals, TalkerSignals, gains
 from ross_sim.acoustics.room import n_taps
 from ross_sim.scenario import Scenario
 from ross_sim.talkers.speech import TalkerVoice
@@ -19,7 +19,7 @@ from ross_sim.talkers.timeline import Timeline
 LEVEL = 0.03  # root mean square of the mixture when everyone talks, re full scale: -30 dB, headroom for speech
 
 
-def talkers_heard(scenario: Scenario, voices: Sequence[TalkerVoice], cache: Path | None) -> Heard:
+def talkers_heard(scenario: Scenario, voices: Sequence[TalkerVoice], cache: Path | None) -> HeadingSignals:
     """Give every talker a voice, a loudness and a place.
 
     The loudness is set for where a talker is at the beginning: who comes nearer becomes louder.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import Real, Samples
-from ross_sim.acoustics.render import Heard, Microphones, MotorNoise
+from ross_sim.acoustics.render import HeadingSignals, Microphones, MotorNoise
 from ross_sim.autopilot.yaw import Yaw
 from ross_sim.clock import QUANTUM, SimClock
 from ross_sim.devices.far_end import FarEnd, Fault
@@ -55,11 +55,11 @@ class Sounds:
 
     images: Counts  # every talker alone, noise-free, (2, n_talkers, n)
     noise: Counts  # (2, n)
-    heard: Samples  # what the converter puts out, (2, n)
+    recorded: Samples  # what the converter puts out, (2, n)
 
     def between(self, first: int, last: int) -> Sounds:
         """The samples from ``first`` to before ``last``."""
-        return Sounds(self.images[..., first:last], self.noise[:, first:last], self.heard[:, first:last])
+        return Sounds(self.images[..., first:last], self.noise[:, first:last], self.recorded[:, first:last])
 
 
 class World:
@@ -199,7 +199,7 @@ class World:
             kept, noises, headings = self._images, self._noise, self.headings()
             self._images, self._noise, self._headings = [], [], self._headings[-1:]
         images = np.concatenate([np.zeros((2, len(self.azimuths), 0), np.int32), *kept], axis=-1)
-        return Rendered(_samples(images), self._hardware.heard(_mixture(kept, noises)), headings)
+        return Rendered(_samples(images), self._hardware.recorded(_mixture(kept, noises)), headings)
 
     def images(self) -> Samples:
         """Every talker alone at microphone 1, noise-free, for all that was rendered so far, (n_talkers, n)."""
@@ -211,13 +211,13 @@ class World:
 
     def mixture(self) -> Samples:
         """What the converter puts out at both microphones, (2, n)."""
-        return self._hardware.heard(_mixture(self._images, self._noise))
+        return self._hardware.recorded(_mixture(self._images, self._noise))
 
     def headings(self) -> Real:
         """The true heading at the ends of every quantum since the opening [rad], frame of the room, (n_quanta + 1,)."""
         return np.asarray(self._headings)
 
-    def _microphones_of(self, heard: Heard, heading: float) -> Microphones:
+    def _microphones_of(self, heard: HeadingSignals, heading: float) -> Microphones:
         return Microphones(heard, self._spacing, heading, turns_heard=self._turns_heard)
 
     def _heading(self) -> float:
@@ -238,7 +238,7 @@ class World:
             self._images.append(sounds.images)
             self._noise.append(sounds.noise)
             self._headings.append(quantum.headings[1])
-        return quantum.begin, sounds.heard
+        return quantum.begin, sounds.recorded
 
     def _rests(self, microphones: Microphones, quantum: Quantum) -> bool:
         """Whether nothing turns, and nothing did in the quantum before."""
@@ -266,7 +266,7 @@ class World:
             noise += beside.render(first, last, *self._aboard_headings(quantum)).sum(axis=1)
         noise += self._beside.at_microphones(first, last)
         counts = _counts(noise)
-        heard = self._hardware.heard(_samples(_converted(images.sum(axis=1, dtype=np.int32) + counts)))
+        heard = self._hardware.recorded(_samples(_converted(images.sum(axis=1, dtype=np.int32) + counts)))
         every = Sounds(images, counts, heard)
         return [every.between(low - first, high - first) for low, high in itertools.pairwise(ends)]
 

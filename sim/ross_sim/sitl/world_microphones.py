@@ -39,7 +39,7 @@ class Hardware:
     factors: tuple[float, float] = (1.0, 1.0)  # gain and polarity of microphones 1 and 2
     swapped: bool = False  # cables
 
-    def heard(self, samples: Samples) -> Samples:
+    def recorded(self, samples: Samples) -> Samples:
         """Return what two channels carry, (2, n), rounded and clipped by the converter."""
         if self == IDEAL:
             return samples

@@ -33,7 +33,7 @@ N_SCENES = {"readers": 10, "others": 6}  # mixtures in every room
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class SeparatedVoice:
     """A separated voice."""
 
     corpus: str
@@ -93,7 +93,7 @@ def enrolled_readers(voices: Mapping[str, Real], folds: Mapping[str, int]) -> li
     return [[reader_voice(name, voices[name]) for name in able if folds[name] == fold] for fold in range(N_FOLDS)]
 
 
-def heard_in_rooms(corpus: str, groups: Sequence[Sequence[TalkerVoice]], work: Path, seed: int) -> list[Heard]:
+def heard_in_rooms(corpus: str, groups: Sequence[Sequence[TalkerVoice]], work: Path, seed: int) -> list[SeparatedVoice]:
     """Return the separated voices of mixtures in `ROOMS`; those in a mixture are of one of the groups, in turn."""
     found, said = [], {f"{fold} {v.name}": v.speech for fold, group in enumerate(groups) for v in group}
     work /= f"heard-{voices_fingerprint(said, seed=seed)}"
@@ -116,7 +116,9 @@ def heard_in_rooms(corpus: str, groups: Sequence[Sequence[TalkerVoice]], work: P
 
             arrays = cached(work / f"{name}-pieces.npz", measured)
             for seconds, piece in zip(arrays["seconds"].tolist(), unpacked(arrays), strict=True):
-                found.append(Heard(corpus, f"{corpus} {room} {number}", fold, seconds, piece.talker, piece.features))
+                found.append(
+                    SeparatedVoice(corpus, f"{corpus} {room} {number}", fold, seconds, piece.talker, piece.features)
+                )
     return found
 
 

@@ -42,7 +42,7 @@ VARIANTS = (("auto", 45), ("gaussian", 100), ("auto", 100), ("duet", 100), ("aut
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Heard:
+class SeparatedRecording:
     """What a live separator made of a recording."""
 
     voices: Real  # (n_groups, n), the first sample that of the recording
@@ -84,7 +84,7 @@ class Listener:
             StreamingAnalysis(self._transform, 2).push(recording.mixture), self.scene(recording)
         )
 
-    def listen(self, recording: Mixture, before: object = None) -> Heard:
+    def listen(self, recording: Mixture, before: object = None) -> SeparatedRecording:
         """Separate a recording; ``before``: what was learnt at another heading."""
         stft, scene, n = self._transform.stft, self.scene(recording), recording.mixture.shape[1]
         state, learning = self.separator.start(scene), 0.0
@@ -104,7 +104,9 @@ class Listener:
         voices = StreamingSynthesis(self._transform, len(groups.members)).push(np.concatenate(found, axis=2))
         spent, seconds = time.process_time() - began - learning, n / stft.rate
         skipped = self.separator.lookahead * stft.hop - self._transform.first_sample(0)
-        return Heard(voices[:, skipped:], groups.members, self.latency, spent / seconds, learning / seconds)
+        return SeparatedRecording(
+            voices[:, skipped:], groups.members, self.latency, spent / seconds, learning / seconds
+        )
 
 
 def score(voices: Real, members: Sequence[tuple[int, ...]], recording: Mixture, first: int, last: int) -> float | None:

@@ -113,7 +113,7 @@ def tables(rows: Sequence[Row]) -> str:
         [
             *_table(rows, by_room, lambda some: _cell(_lost(some, "batch_db", "live_db"))),
             "\nIn the first second, nothing known but the directions / something learnt at another heading:\n",
-            *_table(rows, by_room, _begun),
+            *_table(rows, by_room, _first_second_losses),
             "\nProcessor time per second of audio on one core, every frame with its transforms + learning:\n",
             *_table(rows, by_case, _cost),
             f"\nMixtures: {_mixtures(rows)}.",
@@ -145,7 +145,7 @@ def _is_case(rate: int, k: int, row: Row) -> bool:
     return (row.rate, row.k) == (rate, k)
 
 
-def _begun(rows: Sequence[Row]) -> str:
+def _first_second_losses(rows: Sequence[Row]) -> str:
     lost = (_lost(rows, "first_batch_db", name) for name in ("first_live_db", "first_room_db"))
     return " / ".join(map(_cell, lost))
 

@@ -43,7 +43,7 @@ APART = np.deg2rad(20.0)
 ALIGNED, NEARLY, OFF = 0.7, 0.5, np.deg2rad(6.0)  # how often at an alignment; of these turned away, and by how much
 TIERS = 3.0  # spread of the talkers' levels [dB]
 ASTRAY = np.deg2rad(2.5)  # error of the azimuths, in half of the clips
-GHOST, MISSED = 0.04, 0.04  # how often an azimuth is too many, or lacks
+SPURIOUS, MISSED = 0.04, 0.04  # how often an azimuth is too many, or lacks
 GUESSED = 0.25  # how often the noise is not known
 
 
@@ -141,9 +141,9 @@ def _believed_tdoas(azimuths: Real, heading: float, rng: np.random.Generator) ->
     if rng.random() < 0.5:
         believed = believed + rng.normal(0, ASTRAY, len(believed))
     chance = rng.random()
-    if chance < GHOST:
+    if chance < SPURIOUS:
         believed, owners = np.append(believed, rng.uniform(-np.pi, np.pi)), [*owners, -1]
-    elif chance < GHOST + MISSED:
+    elif chance < SPURIOUS + MISSED:
         believed, owners = believed[:-1], owners[:-1]
     return tdoa(believed, heading, SPACING, SPEED_OF_SOUND), owners
 

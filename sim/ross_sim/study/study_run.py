@@ -152,7 +152,7 @@ def carried_out(work: Work, store: Store[Rows], finish: Callable[[], list[Table]
     for table in finish():
         console.print()
         console.print(table.screen() if console.is_terminal else table.markdown(), markup=False, soft_wrap=True)
-    _farewell(console, store.folder, len(work.left), clock.now() - began, failures)
+    _print_summary(console, store.folder, len(work.left), clock.now() - began, failures)
     return 1 if failures else 0
 
 
@@ -244,7 +244,7 @@ def write_rows(store: Store[Any], name: str, rows: Iterable[Any], kind: type[Any
             write_parquet(path, rows, kind)
 
 
-def _farewell(console: Console, out: Path, n: int, seconds: float, failures: Sequence[Failure]) -> None:
+def _print_summary(console: Console, out: Path, n: int, seconds: float, failures: Sequence[Failure]) -> None:
     if not has_parquet():
         console.print(f"No Parquet was written: {install_line('study')}", markup=False)
     kinds = {"*.csv": "rows", "*.parquet": "rows, typed", "tables.md": "tables", "*.pdf": "figures"}

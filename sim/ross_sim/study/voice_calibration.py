@@ -17,7 +17,7 @@ from ross_payload.voiceprint.built_in import BuiltInModel, Parameters
 from ross_payload.voiceprint.embedding_print import unit
 from ross_payload.voiceprint.features import Features
 from ross_sim.study.calibrate_voice_model import BUILT_IN_MARGIN, logistic
-from ross_sim.study.calibration_voices import Heard
+from ross_sim.study.calibration_voices import SeparatedVoice
 from ross_sim.study.voice_print_rows import CRITERION, equal_error_rate
 from ross_sim.study.voiceprint_study import DURATIONS
 
@@ -26,7 +26,7 @@ from ross_sim.study.voiceprint_study import DURATIONS
 class Corpus:
     """Separated voices, and what they are compared with."""
 
-    heard: Sequence[Heard]
+    heard: Sequence[SeparatedVoice]
     enrolled: Mapping[int | None, Mapping[str, Sequence[Features]]]  # by fold (None: there are none) and by talker
 
 
@@ -83,7 +83,7 @@ def fitted(parts: Sequence[Trials]) -> tuple[float, float]:
     return logistic(similarity, own, weights * len(own) / weights.sum())
 
 
-def criterion(model: BuiltInModel, heard: Sequence[Heard]) -> float:
+def criterion(model: BuiltInModel, heard: Sequence[SeparatedVoice]) -> float:
     """Return the ratio [nat] that tells separated voices apart by prints of what was separated of other mixtures.
 
     It is the mean of those of all durations; the talkers must have spoken for long enough to say something else.
