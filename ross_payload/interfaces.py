@@ -398,7 +398,7 @@ class Scene:
     tau: Real | None = None  # TDOA of every source at this heading [s], (n_sources,), > 0 when microphone 2 leads
     noise_psd: Real | None = None  # E|noise|^2 per bin and microphone, (n_freqs,)
     seed: int = 0
-    hop: int | None = None  # between frames [samples]; None: unknown, so the frames cannot be cut anew
+    hop: int | None = None  # between frames [samples]; None: unknown, so the frames cannot be cut again
     noise_field: Real | None = None  # coordinates of the noise covariance, (n_freqs, 4, n_frames); None: white
 
 

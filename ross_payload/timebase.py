@@ -20,7 +20,7 @@ PAUSE = 0.02  # [s] between two answers of ours: nobody needs more
 ANSWER_TIMEOUT_S = 1.0  # [s] that an answer may take
 SLACK = 0.005  # [s] that clocks may have drifted apart since an older round trip
 ORDER_S = 1.0  # by which messages may come out of order [s]
-STEP = 0.5  # [s]: a UNIX time that is off by more is set anew, a smaller difference is worked off
+STEP = 0.5  # [s]: a UNIX time that is off by more is set again, a smaller difference is worked off
 EASE = 0.1  # of a smaller difference, at a time
 SLOWEST = 0.9  # of real time, at which time goes on while it is ahead of a clock that was set back
 PLAUSIBLE = 4_102_444_800.0  # UNIX time of 2100 [s]: a clock that says more is wrong
@@ -129,7 +129,7 @@ class Timebase:
             self._send(TimeSync(self._asked[-1]), received.link)
 
     def _on_time(self, message: SystemTime) -> None:
-        """Take what its clocks say; two in a row that are far behind mean that it has started anew, one is late."""
+        """Take what its clocks say; two in a row that are far behind mean that it has restarted, one is late."""
         behind = message.boot < self._boot - ORDER_S
         if behind and not self._behind:
             self._behind = True
@@ -153,7 +153,7 @@ class Timebase:
             return
         trip = (now - begin, (begin + now) / 2 - answered / 1e9)
         if self._trips and abs(trip[1] - min(self._trips)[1]) > (trip[0] + min(self._trips)[0]) / 2 + SLACK:
-            self._trips.clear()  # the autopilot has begun to count anew
+            self._trips.clear()  # the autopilot has restarted its count
         self._trips.append(trip)
 
     def _set(self, epoch: float) -> None:

@@ -92,7 +92,7 @@ def pytest_collection_modifyitems(items):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call():
-    """Forget what pymavlink has heard: programs that start in another environment are not forked, but started anew."""
+    """Forget what pymavlink has heard: programs that start in another environment are not forked, but restarted."""
     before = os.environ.get(HEARD)
     try:
         return (yield)

@@ -15,7 +15,7 @@ SLOWEST_S, PACE_DECAY = 0.1, 0.8  # of the pace that a plan keeps to [s]; of a s
 class SetPoints:
     """What is sent while the device is ours: positions on the way of ``motion``.
 
-    They come at the pace of the polls. Who polls late delays the plan, and after a pause it begins anew from where the
+    They come at the pace of the polls. Who polls late delays the plan, and after a pause it starts again from where the
     device has come to rest: no set-point asks for more of the plan than has passed since the one before.
 
     Parameters
@@ -79,7 +79,7 @@ class SetPoints:
         return late if late > self.ahead / 2 + TIME_TOLERANCE_S and motion.end > last else 0.0
 
     def catch_up(self, now: float, seen: tuple[float, float] | None = None) -> None:
-        """Begin anew after a pause in the middle of a motion.
+        """Start again after a pause in the middle of a motion.
 
         A turn goes on to its goal; what was to brake stays where it has come to rest. A short delay delays the plan.
 

@@ -73,7 +73,7 @@ class Audio(Table):
 class EgoNoise(Table):
     """[ego_noise]: noise of the vehicle itself."""
 
-    learn: bool = False  # in the lead-in, while nobody talks; it is found anew in all that is heard from then on
+    learn: bool = False  # in the lead-in, while nobody talks; it is re-estimated in all that is heard from then on
     rotors_m: tuple[tuple[Metres, Metres, Metres], ...] = ()  # ahead, to the left and above the array's centre
     blades: Annotated[int, Field(ge=1, le=8)] = 2  # of every rotor: where its tones are, once its speed is told
 

@@ -51,7 +51,7 @@ class Listening(Table):
         100.0  # from the microphone to the sink, if the computer took no time; a shorter one costs quality
     )
     window_s: Annotated[float, Field(ge=1, le=30)] = 4.0  # of audio from which the covariances are learnt
-    learn_s: Annotated[float, Field(ge=0.05, le=10)] = 0.25  # interval at which they are learnt anew; doubled after 2 s
+    learn_s: Annotated[float, Field(ge=0.05, le=10)] = 0.25  # interval at which they are updated; doubled after 2 s
     sdp_port: Annotated[int, Field(ge=0, le=65535)] = 0  # TCP port of session descriptions over HTTP; 0: none
     sdp_address: Annotated[str, Field(min_length=1)] = "127.0.0.1"  # address of this computer to serve them on
     streams: Annotated[tuple[Stream, ...], Field(max_length=MAX_STREAMS)] = ()

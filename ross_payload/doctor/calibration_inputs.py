@@ -44,7 +44,7 @@ def from_session(config: Config, path: Path) -> tuple[list[HeadingSpectrum], boo
         raise ConfigError(f"{path}: expected {config.audio.rate_hz} Hz (audio.rate_hz), got {recorded.audio.rate_hz}")
     correction, rate = config.offset - recorded.offset, config.audio.rate_hz
     heard: dict[bool, list[HeadingSpectrum]] = {False: [], True: []}  # by frame: those of two do not go together
-    for heading, samples, known in _rests(session.inputs(config.audio, anew=True), round(LONGEST_S * rate)):
+    for heading, samples, known in _rests(session.inputs(config.audio, wire_everywhere=True), round(LONGEST_S * rate)):
         found = heading_spectrum(samples, rate, heading + correction)
         if found is not None:
             heard[known].append(found)

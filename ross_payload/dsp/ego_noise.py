@@ -1,6 +1,6 @@
 """What the vehicle itself sounds like: what a lead-in tells of noise that comes from rotors, or is not white otherwise.
 
-The covariance of the noise is found anew in every recording (`noise_field`); the lead-in tells where to begin, how
+The covariance of the noise is re-estimated in every recording (`noise_field`); the lead-in tells where to begin, how
 far the noise departs from Gaussian, and whether it is worth the effort: white noise needs no covariance.
 """
 

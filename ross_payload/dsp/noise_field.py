@@ -1,7 +1,7 @@
 """The spatial covariance of noise in every bin of a recording, found among the bins in which nobody talks.
 
 Noise that has a direction, as that of rotors, is not white: its covariance has more to say than its PSD. It also
-changes, with the heading of the array and with the throttle. So it is not remembered but found anew in every recording:
+changes, with the heading of the array and with the throttle. So it is not kept but estimated from every recording:
 people pause, in time and in frequency, and what is quiet for its frequency is noise. In every band of frequencies
 and every second or so the covariance is the mean over the bins whose whitened power ``q = x^H N^-1 x`` is below `CUT`
 times what it is in noise alone; the level of noise comes from a low quantile of q, in Gaussian noise that of a gamma

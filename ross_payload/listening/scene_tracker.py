@@ -19,7 +19,7 @@ from ross_payload.mission_state import MissionState, reduce
 from ross_payload.streams import Selection, What
 
 NEAR = np.deg2rad(20.0)  # an azimuth that is asked for and a source within this are one
-AWAY = np.deg2rad(6.0)  # the array may turn by so much, following its heading, before separation begins anew
+AWAY = np.deg2rad(6.0)  # the array may turn by so much, following its heading, before separation starts again
 STEADY = np.deg2rad(2.0)  # a heading that has changed by less in the last frames is held, though the joint may turn
 STEADY_FRAMES = 20  # about a third of a second
 FAST = np.deg2rad(8.0)  # a turn by more within the frames that one frame overlaps cannot be followed
@@ -34,7 +34,7 @@ class Placement:
     """Where the sources are as the array hears them."""
 
     tau: Real  # TDOAs [s], (n_sources,)
-    stretch: int  # grows whenever separation has to begin anew: other sources, another heading
+    stretch: int  # grows whenever separation has to start again: other sources, another heading
     still: bool = True  # at the heading at which the stretch began: what is heard can be learnt from
 
 

@@ -1,4 +1,4 @@
-"""Frames of the mixture in, groups out: one live separator, begun anew whenever the scene is another one."""
+"""Frames of the mixture in, groups out: one live separator, started again whenever the scene is another one."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ross_payload.listening.learning import Learner, LearningRequest
 from ross_payload.listening.scene_tracker import Placement
 
 LEAST_S = 0.5  # of audio from which anything is learnt
-EARLY_S = 2.0  # of a stretch, after which there is less to be learnt anew
+EARLY_S = 2.0  # of a stretch, after which there is less to be learnt again
 LATER = 2  # periods of learning from one time to the next by then
 LEAD_IN_S = 4.0  # of the noise that is kept
 JUDGED_S = 2.0  # of what comes after the lead-in, by which is told whether that was quiet

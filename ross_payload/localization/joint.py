@@ -140,7 +140,7 @@ class Joint:
     def reconsider(self, observations: Sequence[Observation], believed: Estimate) -> Estimate | None:
         """Explain all observations by the sources that are believed in; see `interfaces.ReconsideringExplorer`.
 
-        The mixture begins where they are: one that begins anew explains the same about as well by others, now and then.
+        The mixture begins where they are: one from scratch explains the same about as well by others, now and then.
         """
         if not believed.k or not observations:
             return None

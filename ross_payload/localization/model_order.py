@@ -1,10 +1,10 @@
-"""How many sources: a mixture grows while the likelihood gains, then loses what is worth no more than a ghost.
+"""How many sources: a mixture grows while the likelihood gains, then loses what is worth no more than a misfit.
 
-The worth of a source is the log-likelihood lost without it, once the others have adapted. A ghost lives on the misfit
-of the model, which grows with the evidence, so the penalty of a source has a constant part and a share of the evidence.
-In a reverberant room, known by ITDs that are both drawn to 0 and spread, the evidence is less sharp, and sources and
-ghosts alike are worth a smaller share of it. Bins that two near talkers share have ITDs in between: a source between
-two near others costs more.
+The worth of a source is the log-likelihood lost without it, once the others have adapted. A spurious source results
+from the misfit of the model, which grows with the evidence, so the penalty of a source has a constant part and a share
+of the evidence. In a reverberant room, recognised by ITDs that are both drawn to 0 and spread, the evidence is less
+sharp, and true and spurious sources alike are worth a smaller share of it. Bins that two near talkers share have ITDs
+in between: a source between two near others costs more.
 """
 
 from __future__ import annotations

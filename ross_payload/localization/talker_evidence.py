@@ -1,11 +1,11 @@
-"""Whether a source of the mixture is somebody: what tells it from a ghost, and the probability that follows.
+"""The probability that a source of the mixture is a talker, and what tells talkers from spurious sources.
 
-A ghost lives on the misfit of the model. It is worth little, at few headings, in the strict histograms less than in
-the rich ones, and it has no voice of its own: it sounds whenever a loud talker does, as the reflection of one must, and
-hardly ever alone. A talker has blocks of 50 ms to himself. Boosted trees weigh this for the source that is worth least:
-are there as many talkers as sources? A logistic regression, `source`, weighs it for every source that is left. Among
-the noise of a vehicle, and below one, regressions with weights of their own do both, `count` and `source`. They were
-fitted to simulated rooms by `ross_sim.study.fit_talker_evidence` and `fit_evidence_in_noise`.
+A spurious source results from the misfit of the model. It is worth little, at few headings, less in the strict
+histograms than in the rich ones, and it never sounds alone: as the reflection of a loud talker it sounds whenever that
+talker does. A talker has blocks of 50 ms to himself. Boosted trees decide by the source that is worth least whether
+there are as many talkers as sources. A logistic regression, `source`, gives the probability of every source that is
+left. In the noise of a vehicle, and below one, regressions with weights of their own do both, `count` and `source`.
+They were fitted to simulated rooms by `ross_sim.study.fit_talker_evidence` and `fit_evidence_in_noise`.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ def likely(evidence: Evidence, step: Step, rival: float) -> float:
 
 
 def features(evidence: Evidence, step: Step, rival: float, sources: Sequence[int]) -> Real:
-    """What tells some sources of a mixture from ghosts, (n, n_features) in the order of `FEATURES`, then `IN_NOISE`.
+    """What tells sources from spurious ones, (n, n_features) in the order of `FEATURES`, then `IN_NOISE`.
 
     ``rival`` is the worth over penalty of the source that went before this mixture, 0 when none did.
     """

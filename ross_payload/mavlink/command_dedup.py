@@ -14,7 +14,9 @@ from ross_protocols.mavlink.component_id import ComponentId
 RESENT = 5.0  # [s] within which a confirmation above 0 means the same command
 DOUBTED = 3.0  # [s] within which it does even when as many frames were lost as it says were sent before it
 LATE = 30.0  # [s] within which a frame may arrive late
-ANEW = 0.5  # [s] without a later frame, after which the number 0 is the first of a sender that has started anew
+RESTARTED_AFTER_S = (
+    0.5  # [s] without a later frame, after which the number 0 is the first of a sender that has restarted
+)
 LOWER = 3.0  # [s] without a later frame, after which any lower number is one of such a sender
 MOST_PAST = 4  # commands before the latest one of a number that are remembered
 MOST = 256  # commands, and senders, that are remembered: random ids cannot fill the memory
@@ -58,7 +60,7 @@ class FrameCounter:
         """
         latest = self._latest.pop((sender, way), None) or _Latest(sequence, now)
         place = latest.place + (sequence - latest.place + 128) % 256 - 128
-        if place <= latest.place and now - latest.time > (ANEW if sequence == 0 else LOWER):
+        if place <= latest.place and now - latest.time > (RESTARTED_AFTER_S if sequence == 0 else LOWER):
             place += 256
         elif place > latest.place:
             latest.lost += place - latest.place - 1
@@ -135,7 +137,7 @@ class RecentCommands:
     def before(self, command: Command, origin: Origin, now: float) -> bool:
         """Tell whether a frame that arrives now was sent before the latest command of its number, or is that one.
 
-        Confirmations count up: a higher one with a lower place is of a sender that has started anew. On another way a
+        Confirmations count up: a higher one with a lower place is of a sender that has restarted. On another way a
         confirmation of what was just replaced has taken longer: a sender may confirm on several at once.
         """
         entry = self.find(origin.sender, command.number)

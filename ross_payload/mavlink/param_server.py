@@ -28,7 +28,7 @@ EVERYWHERE = None  # as a link: all of them
 MOST = 8 * len(TABLE)  # answers in line
 BURST, RATE = 40, 20.0  # values that are set at once, and [1/s]; what is more is as if lost
 GREETINGS, AGAIN = 3, 5.0  # values told unasked to a ground station that asks for nothing, one every so many seconds
-AWAY = 5.0  # [s] of silence after which a ground station that is heard again has started anew
+AWAY = 5.0  # [s] of silence after which a ground station that is heard again has restarted
 MOST_STATIONS = 64  # that are remembered
 GREETING_BURST, GREETING_RATE = 8, 1.0  # of all ground stations at once, and [1/s]
 

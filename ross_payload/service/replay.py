@@ -70,9 +70,9 @@ def _played(
     course = Divergence(turns_of(session.events()), early=config.audio.hop_ms / 2000)
     same, model = not config_changes.matters(differing), ModelFolder.default().in_use(config.voice_print.model)
     who = target_voice(session, VoiceStore.default(), lambda: told.inputs, same=same, model=model)
-    anew = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differing)
+    wiring_differs = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differing)
     with computing():
-        inputs = session.inputs(config.audio, anew=anew)
+        inputs = session.inputs(config.audio, wire_everywhere=wiring_differs)
         replay(mission_of(session, recorded, config, who.voiceprint), inputs, course, rate, told)
     if not told.inputs:
         raise ConfigError(f"{session.path}: expected at least one complete Input to replay, got none")

@@ -77,10 +77,11 @@ class RecordedSession:
         path = self.path / "memory.npz"
         return unpacked(path, kind) if path.exists() else None
 
-    def inputs(self, audio: Audio, *, anew: bool = False) -> Iterator[Input]:
+    def inputs(self, audio: Audio, *, wire_everywhere: bool = False) -> Iterator[Input]:
         """Read the Inputs up to the first that is damaged or has no samples.
 
-        Gain and polarity of ``audio`` are applied where the source did so when it was recorded; ``anew``: everywhere.
+        Gain and polarity of ``audio`` are applied to what the source applied them to when it was recorded, and to
+        everything with ``wire_everywhere``.
 
         Raises
         ------
@@ -93,7 +94,7 @@ class RecordedSession:
             start += values["n"]
             if raw.shape[1] < values["n"]:
                 return
-            wired = anew or bool(values.get("raw"))
+            wired = wire_everywhere or bool(values.get("raw"))
             yield input_log.input_of(values, wiring.apply(raw).samples if wired else raw, raw if wired else None)
 
     def lines(self) -> Iterator[dict[str, Any]]:

@@ -68,7 +68,7 @@ class Backoff:
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew: it went well."""
+        """Start again: it went well."""
         self._next = self._first
 
     def wait(self) -> float:

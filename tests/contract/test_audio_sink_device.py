@@ -210,7 +210,7 @@ def test_silence_before_a_device_was_unplugged_stays_counted(card, headphones):
         assert headphones.lost == silent + HOP
 
 
-def test_it_plays_again_after_the_microphones_were_opened_anew(card, headphones):
+def test_it_plays_again_after_the_microphones_were_opened_again(card, headphones):
     audio = Audio()
     microphones = SoundCard("analog", audio, ChannelMap.of(audio), card)
     with headphones:

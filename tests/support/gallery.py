@@ -46,7 +46,7 @@ def gallery() -> Iterator[str]:
 
 
 class Board:
-    """The gallery on one page of a browser, drawn anew as often as asked."""
+    """The gallery on one page of a browser, drawn again as often as asked."""
 
     def __init__(self, page: Any) -> None:
         self._page = page

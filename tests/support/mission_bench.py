@@ -55,7 +55,7 @@ class ThreeTalkers:
 
 @dataclass
 class Counting(ThreeTalkers):
-    """An explorer that counts how often it begins anew."""
+    """An explorer that counts how often it starts again."""
 
     explorations: int = 0
 

@@ -83,7 +83,7 @@ class Monitor:
         self._true.clear()
 
     def lost(self) -> None:
-        """Where it is must be seen anew."""
+        """Where it is must be seen again."""
         self._shift = None
 
     def _look(self) -> None:

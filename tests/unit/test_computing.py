@@ -28,7 +28,7 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 
 
 def faults(keep: str) -> int:
-    """Pages that are given anew when 96 MB are taken for the sixth time."""
+    """Pages that are given again when 96 MB are taken for the sixth time."""
     done = subprocess.run([sys.executable, "-c", FAULTS.format(keep=keep)], capture_output=True, text=True, check=True)
     return int(done.stdout)
 

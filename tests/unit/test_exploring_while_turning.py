@@ -155,7 +155,7 @@ def test_a_fault_ends_it():
     assert (result.outcome, result.reason) == (Outcome.FAULT, "the motor burns")
 
 
-def test_an_attitude_that_is_lost_on_the_way_begins_it_anew():
+def test_an_attitude_that_is_lost_on_the_way_begins_it_again():
     def lose(one, heard):
         one.earth = one.hops < 170
 

@@ -60,7 +60,7 @@ def test_scenes_that_are_kept_are_those_that_were_made(few: None, tmp_path: Path
     assert made[1].heard.shape == (2, 2, RATE // 4)
 
 
-def test_a_scene_that_was_cut_short_or_is_of_other_voices_is_made_anew(few: None, tmp_path: Path) -> None:
+def test_a_scene_that_was_cut_short_or_is_of_other_voices_is_made_again(few: None, tmp_path: Path) -> None:
     made = list(evidence_scenes.scenes(["S1"], voices(3), 5, tmp_path))
     (path,) = tmp_path.rglob("S1-2-0-5.npz")
     whole = path.read_bytes()

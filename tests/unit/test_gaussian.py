@@ -192,7 +192,7 @@ def test_the_more_is_diffuse_the_more_goes_astray() -> None:
 
 
 @pytest.mark.parametrize("n", [1, 700, 16000])
-def test_frames_cut_anew_give_back_what_a_separator_leaves_alone(n: int) -> None:
+def test_frames_cut_again_give_back_what_a_separator_leaves_alone(n: int) -> None:
     stft = Stft(16000, 1024, 256)
     samples = np.random.default_rng(5).standard_normal((2, n))
     seen = []

@@ -127,7 +127,7 @@ def test_torque_that_comes_on_late_is_no_underrun(port: GpioPulses, clock: SimCl
     assert port.receive() == [Played(0.01), Played(0.02)]
 
 
-def test_a_stream_that_ran_dry_takes_no_step_until_it_is_told_anew(
+def test_a_stream_that_ran_dry_takes_no_step_until_it_is_told_again(
     gpio: FakeLgpio, port: GpioPulses, clock: SimClock
 ) -> None:
     port.send(segment(0.0, 0.01, *pulse(0.0)))
@@ -252,7 +252,7 @@ def test_a_stop_on_pins_travels_the_braking_distance_and_100_ms_at_most() -> Non
     assert bench.far.complaints() == []
 
 
-def test_closing_in_mid_move_decelerates_and_opening_again_sends_direction_and_enable_anew() -> None:
+def test_closing_in_mid_move_decelerates_and_opening_again_sends_direction_and_enable_again() -> None:
     bench = Bench()
     bench.guard.command(math.radians(190))
     bench.clock.sleep(1.0)

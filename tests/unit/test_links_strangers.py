@@ -271,7 +271,7 @@ def test_among_seventeen_key_holders_the_one_unheard_for_longest_makes_room(list
         assert all(sock.recv(1000) for sock in socks[1:])
 
 
-def test_a_client_that_takes_a_number_again_begins_anew(listening) -> None:
+def test_a_client_that_takes_a_number_again_begins_again(listening) -> None:
     """A half frame of one that has left must not swallow the first frame of the next."""
     payload, encoder = listening("tcpin", signed=False), Encoder(9, 1)
     frames = [encoder.encode(BEAT) for _ in range(3)]

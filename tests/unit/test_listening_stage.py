@@ -125,7 +125,7 @@ def test_nobody_known_nobody_there_and_no_such_source_are_told():
     assert details == ["there is no source 3", "nobody at this azimuth", "there is no target yet"]
 
 
-def test_a_separator_begins_anew_at_another_heading_and_not_while_it_follows_one():
+def test_a_separator_begins_again_at_another_heading_and_not_while_it_follows_one():
     bench = Bench({0: source(0)})
     bench.know()
     bench.hear(0.5)
@@ -161,7 +161,7 @@ def test_a_joint_that_holds_a_heading_on_a_base_that_yaws_is_at_rest_enough():
     assert (bench.factor(0), len(bench.separator.starts)) == (2, 1)
 
 
-def test_who_moves_is_followed_without_beginning_anew():
+def test_who_moves_is_followed_without_beginning_again():
     bench = Bench({0: azimuth(40)})
     bench.know()
     bench.hear(0.5)

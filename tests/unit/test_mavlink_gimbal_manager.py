@@ -139,7 +139,7 @@ def test_who_is_in_control_is_said_on_change_and_on_request_and_not_in_a_stream(
     assert 0 < ground.listen(60.0).count("GIMBAL_MANAGER_STATUS") <= 2
 
 
-def test_a_restart_forgets_who_is_in_control_and_begins_its_clock_anew(ground):
+def test_a_restart_forgets_who_is_in_control_and_begins_its_clock_again(ground):
     ground.order(1001, -2.0, -2.0)
     ground.far_end.autopilot.restart(ground.clock.now())
     ground.clock.sleep(1.5)

@@ -287,7 +287,7 @@ def test_sources_that_pose_as_one_are_never_taken_for_the_target():
     assert any(group.accepted for event in one.said(Checked) for group in event.groups)
 
 
-def test_when_a_voice_turns_out_to_be_another_the_others_are_heard_before_it_is_explored_anew():
+def test_when_a_voice_turns_out_to_be_another_the_others_are_heard_before_it_is_explored_again():
     """Everybody sounds like the target at first, and after T_run one of them does."""
 
     class Everybody(Likes):

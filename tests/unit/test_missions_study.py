@@ -146,7 +146,7 @@ def test_the_table_counts_what_became_of_the_missions():
     assert told["heard from [s]"] == "40.0"
     assert told["right from [s]"] == "20.0"
     assert told["SI-SDRi [dB]"] == "14.7 ± 2.9"
-    assert told["explored anew"] == "0.3"
+    assert told["explored again"] == "0.3"
     assert told["CPU [s/s]"] == "0.050"
 
 

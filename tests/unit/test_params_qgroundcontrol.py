@@ -112,7 +112,7 @@ def test_a_station_that_has_asked_is_told_nothing_more_unasked(station):
     assert station.values == told
 
 
-def test_a_station_that_has_started_anew_is_told_again(station):
+def test_a_station_that_has_restarted_is_told_again(station):
     station.live(5.0)
     station.beating, station.values, station.found = False, 0, {}
     station.live(6.0)

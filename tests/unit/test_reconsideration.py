@@ -128,7 +128,7 @@ def test_who_was_added_or_left_is_visited_when_the_voice_that_was_listened_to_is
     one, result = flown(Again(more=((-110, 95),)), voiceprint=Refuted(at_first, {target}))
     assert (result.outcome, result.reason) == (Outcome.TARGET_FOUND, f"source {target} is the target")
     assert [event.candidate.source for event in one.said(Checked)] == visited
-    assert len([event for event in one.said(OrientationHeard) if event.index == 0]) == 1  # not explored anew
+    assert len([event for event in one.said(OrientationHeard) if event.index == 0]) == 1  # not explored again
     assert one.said(SourcesEstimated)[-1].estimate.k == 4
 
 

@@ -77,7 +77,7 @@ def test_what_another_stream_lost_is_not_told_as_lost_here(sender):
 
 
 def test_a_source_that_is_opened_again_goes_on_in_time(sender):
-    """Its indices begin anew; a timestamp that went back would be a packet that came too late."""
+    """Its indices start again; a timestamp that went back would be a packet that came too late."""
     before = [RtpPacket.parse(each) for each in sent(sender, 10, first=50 * PACKET)]
     after = [RtpPacket.parse(each) for each in sent(sender, 10, first=0)]
     stamps = np.array([each.timestamp for each in (*before, *after)], np.int64)

@@ -52,7 +52,7 @@ def gains(groups, recording):
 
 
 @pytest.mark.soak
-def test_noise_found_anew_gains_over_the_psd_of_a_lead_in_when_the_throttle_moves(recording, alone):
+def test_noise_found_again_gains_over_the_psd_of_a_lead_in_when_the_throttle_moves(recording, alone):
     without = gains(local_gaussian_model.separator.batch(recording[2], recording[3]), recording)
     within = gains(alone, recording)
     assert np.mean(within) > np.mean(without) + 1

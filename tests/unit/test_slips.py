@@ -40,7 +40,7 @@ class Turned(ThreeTalkers):
 
 
 def drops_once(explorer):
-    """A mission whose target is lost once it is listened to, until it is explored anew."""
+    """A mission whose target is lost once it is listened to, until it is explored again."""
     return rig(explorer=explorer, voiceprint=Likes(1, {RUN: lambda _: 1.0 if explorer.explorations > 1 else -1.0}))
 
 

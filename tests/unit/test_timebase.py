@@ -179,7 +179,7 @@ def test_an_answer_that_comes_after_a_second_tells_nothing(bench):
     assert timebase.local(0.0) is None
 
 
-def test_an_autopilot_that_has_rebooted_counts_anew(bench):
+def test_an_autopilot_that_has_rebooted_counts_again(bench):
     clock, _voice, timebase = bench
     for ahead in (95.0, 95.0, -3.0):
         trip(bench, 0.02, 0.02, ahead)
@@ -187,7 +187,7 @@ def test_an_autopilot_that_has_rebooted_counts_anew(bench):
 
 
 def test_the_time_of_an_autopilot_that_has_rebooted_is_believed_before_it_answers(bench):
-    """Its real-time clock runs on, and what it counts from its start begins anew."""
+    """Its real-time clock runs on, and what it counts from its start starts again."""
     clock, voice, timebase = bench
     trip(bench, 0.02, 0.02, ahead=3600.0)
     voice.call(Heard(vehicle.system_time(SystemTime(clock.now() + 3600.0, UNIX + clock.now()))))

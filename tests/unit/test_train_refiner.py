@@ -119,13 +119,13 @@ def test_going_on_begins_with_the_weights_of_a_file_and_takes_smaller_steps(tmp_
     weights = refiner_model.initial(8, 2, 8, np.random.default_rng(4))
     file = tmp_path / "earlier.npz"
     file.write_bytes(encode_network(weights))
-    anew, further = training(None, None), training(file, None)
+    first, further = training(None, None), training(file, None)
     begun = further.purpose.begin(further.recipe, 0)
     assert set(begun) == set(weights)
     np.testing.assert_allclose(begun["in"], weights["in"], rtol=1e-3)
-    assert (anew.recipe.fastest, further.recipe.fastest) == (FASTEST, SLOWER)
-    assert anew.recipe.begun != further.recipe.begun
-    assert further.folder != anew.folder
+    assert (first.recipe.fastest, further.recipe.fastest) == (FASTEST, SLOWER)
+    assert first.recipe.begun != further.recipe.begun
+    assert further.folder != first.folder
 
 
 def test_going_on_is_in_more_reverberant_rooms(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

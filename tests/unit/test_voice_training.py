@@ -62,7 +62,7 @@ def test_a_run_that_was_interrupted_goes_on_and_ends_with_the_same_numbers(voice
     assert not np.array_equal(found[0].loadings, whole.loadings)  # ann tells nothing of what is learnt without her
 
 
-def test_pieces_of_other_readers_or_another_seed_are_made_anew(voices, tmp_path, monkeypatch):
+def test_pieces_of_other_readers_or_another_seed_are_made_again(voices, tmp_path, monkeypatch):
     monkeypatch.setattr(voice_pieces, "N_ROUNDS", 0)
     monkeypatch.setattr(voice_pieces, "disturbed", lambda voice, index: [])
     first, second = ({name: voices[name]} for name in ("ann", "bob"))
@@ -77,7 +77,7 @@ def test_pieces_of_other_readers_or_another_seed_are_made_anew(voices, tmp_path,
     assert [found[0][0] for found in shared] == ["ann", "bob", "bob"]
 
 
-def test_enrolments_of_another_talker_of_that_name_are_made_anew(voices, tmp_path):
+def test_enrolments_of_another_talker_of_that_name_are_made_again(voices, tmp_path):
     ann, bob = (TalkerVoice("ann", voices[name], voices[name], RATE) for name in ("ann", "bob"))
     found = [enrolments([voice], tmp_path)["ann"][0].cepstra for voice in (ann, bob)]
     assert not np.array_equal(*found)

@@ -59,7 +59,7 @@ class DriveClient:
         self.emergency: frames.Emergency | None = None
         self.answers: list[Value | Written | Abort] = []
         self.event = ""  # what went wrong and does not mend itself; whoever reads it clears it
-        self.restarted = False  # it must be set up anew
+        self.restarted = False  # it must be set up again
 
     @property
     def fresh(self) -> bool:

@@ -51,7 +51,7 @@ class PositionNoise:
         self._next = 0
 
     def update(self, joint: float, count: int) -> float:
-        """Take a joint angle [rad] and the count of its report; a lost report begins anew."""
+        """Take a joint angle [rad] and the count of its report; a lost report starts again."""
         if count != self._next:
             self._joints.clear()
         self._next = (count + 1) % TRANSFER_IDS

@@ -87,7 +87,7 @@ class GrblClient:
         return -self._settings.get(protocol.TRAVEL + self._options.index, 0.0) <= place <= 0
 
     def forget(self) -> None:
-        """Start anew: the line was lost."""
+        """Restart: the line was lost."""
         self._line = LineProtocol(self._port)
         self.tracker = PositionTracker(self._options.index, self._options.resolution)
         self.identified = self.homing = self.position_known = False

@@ -87,7 +87,7 @@ class GimbalFeedback:
         self.clear_doubts()
         self.lost_vehicle = False
 
-    def count_anew(self) -> None:
+    def recount_turns(self) -> None:
         """Choose the turn inside the travel again."""
         self.angle = self._first(wrap(self.angle))
 

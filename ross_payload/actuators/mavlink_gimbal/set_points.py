@@ -41,7 +41,7 @@ class YawSetPoints(SetPoints):
             self.settle(position, rate, now)
 
     def go_on(self, seen: GimbalFeedback | None, now: float) -> None:
-        """Begin anew from where it is seen, or was sent last, if this program was held up in the middle of a motion."""
+        """Start again from where it is seen, or was sent last, if this program paused in the middle of a motion."""
         self.catch_up(now, None if seen is None else self._there(seen, now))
 
     def forget_late_brake(self, now: float) -> None:

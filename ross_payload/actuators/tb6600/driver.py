@@ -62,7 +62,7 @@ class Tb6600(Driver):
         self._heard_at = now
 
     def obey(self, request: Move | Request, now: float) -> None:
-        """Plan anew from the end of the last segment handed over; a release switches the module off there."""
+        """Plan again from the end of the last segment handed over; a release switches the module off there."""
         if isinstance(request, Move):
             if self._homed and not self._fault:
                 self._go(request, now)

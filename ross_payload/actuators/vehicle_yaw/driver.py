@@ -98,7 +98,7 @@ class VehicleYaw(Driver):
         for received in self._port.receive():
             self._on_packet(received, now)
         if self._plan.motion is None and not self._inside(self._feedback.angle):
-            self._feedback.count_anew()  # others have turned it round
+            self._feedback.recount_turns()  # others have turned it round
         seen = self._feedback
         ours = not (self._yielded or self._objection_heard)
         known = ours and not diagnostics.contradiction(seen) and now - seen.time <= FRESH_S
@@ -212,8 +212,8 @@ class VehicleYaw(Driver):
 
     def _begin(self, move: Move, commands: YawCommands, now: float) -> None:
         """Go to a goal from where the plan is, or the vehicle if there is none."""
-        anew = self._stopping > -math.inf or self._settled or self._asked_at > -math.inf
-        motion = None if anew else self._plan.motion
+        from_rest = self._stopping > -math.inf or self._settled or self._asked_at > -math.inf
+        motion = None if from_rest else self._plan.motion
         if motion is None and not self._prepared(commands, now):
             return
         self._pending, self._yielded, self._turning = None, False, True

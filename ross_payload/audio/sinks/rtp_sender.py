@@ -98,7 +98,7 @@ class RtpSender:
         self._waiting: Samples = np.zeros(0, np.float32)  # for a packet to be full, at the rate of the media
         self._first = 0  # sample of the stream that is the first of them, at the rate of the media
         self._next: int | None = None  # index of the block to come; None: any
-        self._restarts = 0  # what is added to indices, which begin anew when the source is opened again
+        self._restarts = 0  # what is added to indices, which start again when the source is opened again
         self._time: tuple[int, float] = (0, 0.0)  # timestamp of a sample, and when it was heard [s]
         self._sent: OrderedDict[int, bytes] = OrderedDict()
         self._packets = self._bytes = 0
@@ -131,7 +131,7 @@ class RtpSender:
             marker = False
 
     def _flush(self) -> Iterator[bytes]:
-        """Return what waits in packets, with silence behind it; the next samples begin anew."""
+        """Return what waits in packets, with silence behind it; the next samples start again."""
         if self._resampler is not None and self._next is not None:
             held = _joined(self._resampler.resample(None))  # by its filter, from before the pause
             end = round(self._next * self.media.rate / self._rate)

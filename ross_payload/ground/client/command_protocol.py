@@ -142,7 +142,7 @@ class CommandProtocol:
             self._send_cancel(wanted)
 
     def on_state(self, payload: PayloadState) -> None:
-        """Learn of a payload, whenever it is heard: one that started anew does not do what it was told before."""
+        """Learn of a payload, whenever it is heard: one that restarted does not do what it was told before."""
         peer = self._peer(payload.who)
         if peer.boots is not None and payload.boots > peer.boots:
             for one in [one for one in self._of(payload.who) if not one.over]:
@@ -180,9 +180,9 @@ class CommandProtocol:
         What is done at once is harmless when done twice, and must not be taken for its like of a moment ago: arm,
         stop, arm. A task must not be done twice.
         """
-        anew = one.repeated and not one.order.task
+        new = one.repeated and not one.order.task
         one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, Stop) else ACK_TIMEOUT_S)
-        confirmation = 0 if anew else min(one.sent, 255)
+        confirmation = 0 if new else min(one.sent, 255)
         one.sent += 1
         who = one.who
         self._send(long_message(one.order.number, one.order.numbers, who, confirmation), who)

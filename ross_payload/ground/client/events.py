@@ -163,7 +163,7 @@ class TaskProgress(Event):
 
 @dataclass(frozen=True, slots=True)
 class PayloadRestarted(Event):
-    """It has started anew, and has forgotten what it was asked."""
+    """It has restarted, and has forgotten what it was asked."""
 
 
 @dataclass(frozen=True, slots=True)

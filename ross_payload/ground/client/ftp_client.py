@@ -136,7 +136,7 @@ class FileReader:
         self._request(Opcode.TERMINATE)
 
     def _refused(self, answer: Packet, now: float) -> None:
-        """Open it again when the other side has started anew; else tell why not."""
+        """Open it again when the other side has restarted; else tell why not."""
         if answer.asked not in (Opcode.OPEN_RO, Opcode.READ, Opcode.BURST_READ):
             return
         why = answer.data[0] if answer.data else 0

@@ -124,7 +124,7 @@ class ParamClient:
         self._send_value(name)
 
     def on_state(self, payload: PayloadState) -> None:
-        """Learn of the payload, whenever it is heard: one that started anew may have other parameters."""
+        """Learn of the payload, whenever it is heard: one that restarted may have other parameters."""
         if self._boots is not None and payload.boots > self._boots:
             self._begin()
         self._boots = payload.boots

@@ -114,7 +114,7 @@ class StopStream(Order):
         return "stop all streams" if self.stream is None else f"stop stream {self.stream}"
 
     def replaces(self, other: Order) -> bool:
-        """Whether it may have begun what this ends: said again, it would begin anew."""
+        """Whether it may have begun what this ends: sent again, it would begin once more."""
         if not isinstance(other, Stream):
             return False
         if self.address:

@@ -98,7 +98,7 @@ class MissionTimeline:
                 self.information = value
             case Status() if not is_late(self.status, value):
                 if self.status is not None and value.time_usec < self.status.time_usec:
-                    self.sources = {}  # it has started anew
+                    self.sources = {}  # it has restarted
                 self.status = value
                 self._stay(value.state, at)
                 self._explored(value.state, value.k, at, value.rotation)

@@ -138,7 +138,7 @@ def _strange(one: _Trace, other: _Trace, now: float) -> bool:
     """Tell whether two routes bring messages at once and never the same: one payload on both would repeat itself.
 
     Its statuses need not be the same, as each link has its own rates; what it says of its health once a second is. A
-    payload that has started anew speaks from another port: then the one route begins where the other ends.
+    payload that has restarted speaks from another port: then the one route begins where the other ends.
     """
     mine, theirs = ([each for each in trace.times if each[0] >= now - TWIN_WINDOW_S] for trace in (one, other))
     if not mine or not theirs or {usec for _, usec in mine} & {usec for _, usec in theirs}:

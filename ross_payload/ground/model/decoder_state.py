@@ -20,7 +20,7 @@ from ross_protocols.mavlink.values import Status
 NEAR = 32  # frames missing in a row are lost; more are the numbers of another link, or a link that was down
 WAYS = 4  # links that one component may be heard on, each with numbers of its own
 LATE_S = LATE_US / 1e6
-BACKWARD_S = 1.0  # [s] by which a payload's time goes back when it has started anew
+BACKWARD_S = 1.0  # [s] by which a payload's time goes back when it has restarted
 TWIN_SPAN_S, TWIN_TIMES = 10.0, 3  # so many steps back within so many seconds [s] are two payloads, not restarts
 PRESENCE_S = 60  # seconds for which it is remembered in which of them somebody was heard
 _ALL = (1 << PRESENCE_S) - 1
@@ -68,7 +68,7 @@ class DecoderState:
     status_at: float = -1e9  # when that came [s]
     way: Hashable = None  # on which it came, or the start that was noticed
     by_way: dict[Hashable, Status] = field(default_factory=dict)  # the latest of ways that brought the same lately
-    started_at: float = -1e9  # when it was noticed that it has started anew [s]
+    started_at: float = -1e9  # when it was noticed that it has restarted [s]
     backs: deque[float] = field(default_factory=lambda: deque(maxlen=TWIN_TIMES))  # when its time went back [s]
     leapt_at: float = -1e9  # when its time was much farther ahead on another way than has passed [s]
     twin_at: float = -1e9  # when two senders of its id were noticed last [s]
@@ -126,7 +126,7 @@ class DecoderState:
             del self.by_way[next(iter(self.by_way))]
 
     def note_start(self, at: float, way: Hashable) -> None:
-        """Note that it has started anew, and forget its status."""
+        """Note that it has restarted, and forget its status."""
         self.status, self.started_at, self.way = None, at, way
         self.by_way.clear()
 

@@ -106,7 +106,7 @@ def flawed(known: PayloadState, flaw: str) -> PayloadState:
 
 
 def restarted(known: PayloadState, at: float) -> PayloadState:
-    """Return what is left when a payload starts anew: that it is there."""
+    """Return what is left when a payload restarts: that it is there."""
     fresh = PayloadState(
         known.who, known.first, at, boots=known.boots + 1, tunnelled=known.tunnelled, counts=known.counts
     )

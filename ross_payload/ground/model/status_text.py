@@ -14,7 +14,10 @@ PREFIX = "RoSS: "  # of the payload's texts
 REST_TIMEOUT_S = 2.0  # for the rest of a text
 EXPLANATION_S = 1.5  # around a refusal, in which the payload says why
 GAP = " ... "
-DONE, FORGET = 32, 10.0  # texts whose late doubles are known, and for how long [s]; a payload that restarts counts anew
+DONE, FORGET = (
+    32,
+    10.0,
+)  # texts whose late doubles are known, and for how long [s]; a payload that restarts counts from the start
 MOST_CHUNKS = 20  # of a text: 1000 characters
 
 
@@ -34,7 +37,7 @@ class _PartialText:
 class Texts:
     """The texts of one component. A lost chunk leaves a gap; its text waits for it for `REST_TIMEOUT_S`.
 
-    The id of a text may be used again at once, by a component that has started anew: chunks that cannot belong to what
+    The id of a text may be used again at once, by a component that has restarted: chunks that cannot belong to what
     came with it before begin another text.
 
     >>> from ross_protocols.mavlink.codec import chunks

@@ -52,13 +52,13 @@ class ViewCache:
 
     def update(self, known: PayloadState, settings: Mapping[str, float]) -> None:
         """Draw what has changed since the last call."""
-        anew, self._settings = settings != self._settings, dict(settings)
+        changed, self._settings = settings != self._settings, dict(settings)
         soon = abs(known.last - self._grown) < self._pace and len(known.history) > 1
         for name, attributes in DRAWN_FROM.items():
             shown = tuple(getattr(known, each) for each in attributes)
             before = self._drawn_from.get(name)
             same = before is not None and all(new is old for new, old in zip(shown, before, strict=True))
-            if anew or not (same or (name == "history" and soon)):
+            if changed or not (same or (name == "history" and soon)):
                 self._drawn_from[name] = shown
                 self.put(name, SECTIONS[name](known, settings))
                 self._grown = known.last if name == "history" else self._grown

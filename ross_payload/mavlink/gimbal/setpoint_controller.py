@@ -13,7 +13,7 @@ from ross_payload.orders import Cancel, Order, Point
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.gimbal_device import Aim, Rest
 
-SAME = math.radians(0.05)  # [rad]: what is asked for anew is no other set-point
+SAME = math.radians(0.05)  # [rad]: what is asked for again is no other set-point
 CHANGE = math.radians(1.0)  # [rad]: what somebody has said for long is an order when it changes by more
 ENDED = (Answer.DONE, Answer.FAILED, Answer.CANCELLED)
 SENDERS = 16  # whose set-points are remembered

@@ -122,7 +122,7 @@ class PacketStore:
         return len(self._waiting)
 
     def _jumped(self, packet: RtpPacket) -> Queued | None:
-        """Begin anew when two packets in a row say that the numbers are others now."""
+        """Start again when two packets in a row say that the numbers are others now."""
         if packet.sequence_number != self._after_jump:
             self._after_jump = (packet.sequence_number + 1) % 2**16
             self.counts.bad += 1

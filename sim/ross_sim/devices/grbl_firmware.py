@@ -51,7 +51,7 @@ class Firmware:
         self._begin(self._locked)
 
     def boot(self) -> None:
-        """Start anew, as after power-up or a pulse on DTR: a motor that moves is stopped dead, the counters are 0."""
+        """Restart, as after power-up or a pulse on DTR: a motor that moves is stopped dead, the counters are 0."""
         self.motion = Motion(self.settings.axes, self.settings[DEVIATION])
         self._begin(self._locked)
 

@@ -21,7 +21,7 @@ HEADER = (
     "heard from [s]",
     "right from [s]",
     "SI-SDRi [dB]",
-    "explored anew",
+    "explored again",
     "CPU [s/s]",
 )
 ABOUT = (
@@ -29,7 +29,7 @@ ABOUT = (
     "K and azimuths: all missions; the error is the median over all talkers who were found. Target found: the target "
     "is in the room, and what is heard as the target's holds it alone; found, K right: and K is right, too. Heard "
     "from, the median time of the mission from which on it is heard, and SI-SDRi are those of the missions that found "
-    "it; right from, when its voice was heard first, is that of all who ever heard it. Explored anew: how often, in "
+    "it; right from, when its voice was heard first, is that of all who ever heard it. Explored again: how often, in "
     "the mean. CPU: what the mission itself computes per second of audio, median."
 )
 

@@ -118,7 +118,7 @@ def tables_of(path: Path) -> dict[str, str]:
 
 
 def with_tables(page: Path, rows: Path | None = None) -> str:
-    """The text of a page with its tables made anew: those of the file ``rows``, None: of every file that it names.
+    """The text of a page with its tables made again: those of the file ``rows``, None: of every file that it names.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def _written(page: Path, wanted: Path | None, block: re.Match[str]) -> str:
 
 
 def write_page(page: Path, rows: Path | None = None) -> None:
-    """Make the tables of a page anew, whole or not at all: see `with_tables`. Links and the mode stay.
+    """Make the tables of a page again, whole or not at all: see `with_tables`. Links and the mode stay.
 
     Raises
     ------

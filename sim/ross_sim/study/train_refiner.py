@@ -245,7 +245,7 @@ class Training:
 
 
 def training(begin: Path | None, motor: Path | None) -> Training:
-    """The way that was asked for: anew, from these weights on, or for noise like that of a motor.
+    """The way that was asked for: from the beginning, from these weights on, or for noise like that of a motor.
 
     Raises
     ------

@@ -68,7 +68,7 @@ def errors(rows: Sequence[VoicePrintRow]) -> Real:
 
 
 def intervals(rows: Sequence[VoicePrintRow]) -> Real:
-    """Where 95 % of `errors` lie when whole mixtures are drawn anew, each with all its rooms, (2, 3)."""
+    """Where 95 % of `errors` lie when whole mixtures are resampled, each with all its rooms, (2, 3)."""
     mixtures = list(grouped(rows, lambda row: (row.seed, row.mixture)).values())
     rng, found = np.random.default_rng(0), []
     for _ in range(REDRAWN):
@@ -93,7 +93,7 @@ def voice_prints(rows: Sequence[VoicePrintRow]) -> Table:
                 label = f"{room}, {seconds:g} s"
                 lines.append((label if len(models) == 1 else f"{model}, {label}", *_cells(group)))
     about = (
-        f"Percent, at the criterion of missions, {CRITERION:g} nat, and 95 % intervals by drawing whole mixtures anew."
+        f"Percent, at the criterion of missions, {CRITERION:g} nat, and 95 % intervals by bootstrapping whole mixtures."
     )
     return Table("Voice prints", HEADER, tuple(lines), about)
 

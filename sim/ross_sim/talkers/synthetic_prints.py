@@ -22,7 +22,7 @@ from ross_sim.talkers.speech import TalkerVoice
 def synthetic_print(voice: TalkerVoice, model: BuiltInModel, folder: Path | None = None) -> EmbeddingPrint:
     """Enrol a synthetic talker, or read the print from the cache (None: see ``cache_folder``).
 
-    A print is kept for this model, these samples and this code: with any other, `enrol` makes it anew.
+    A print is kept for this model, these samples and this code: with any other, `enrol` makes it again.
 
     Raises
     ------

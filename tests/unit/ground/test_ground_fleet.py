@@ -137,7 +137,7 @@ def test_a_frame_that_comes_late_is_no_new_start(ground):
     assert ground.known.boots == 1
 
 
-def test_mission_time_that_begins_anew_after_its_32_bits_is_no_new_start(ground):
+def test_mission_time_that_begins_again_after_its_32_bits_is_no_new_start(ground):
     full = 2**32 / 1e3
     ground.say(
         status(full - 40, state=0), status(full - 30), status(full - 0.5), status(full + 0.5), status(full - 0.1)
@@ -160,45 +160,45 @@ def test_the_same_payload_over_a_slower_link_is_neither_a_twin_nor_a_new_start_n
 
 
 @pytest.mark.parametrize("lag", [0.6, 2.0, 4.0])
-@pytest.mark.parametrize("event", ["nothing", "clock set", "started anew"])
+@pytest.mark.parametrize("event", ["nothing", "clock set", "restarted"])
 def test_on_a_slower_link_a_clock_that_is_set_is_no_new_start_and_a_new_start_is_one(ground, event, lag):
     arrivals = []
     for step in range(160):
         time = step / 4
-        anew = event == "started anew" and time >= 20
-        told = status(1000 + time, mission_time=time - 23 if anew else time + 50)
+        restarted = event == "restarted" and time >= 20
+        told = status(1000 + time, mission_time=time - 23 if restarted else time + 50)
         if event == "clock set" and time >= 20:
             told = replace(told, time_unix=True, time_usec=told.time_usec + 10**15)
-        beat = v.Heartbeat(v.Health.BOOT if anew and time < 24 else v.Health.ACTIVE, 2)
-        if not anew or time >= 23:
+        beat = v.Heartbeat(v.Health.BOOT if restarted and time < 24 else v.Health.ACTIVE, 2)
+        if not restarted or time >= 23:
             arrivals += [
                 (time + late, way, said) for way, late in (("udp", 0.0), ("radio", lag)) for said in (told, beat)
             ]
     for at, way, said in sorted(arrivals, key=lambda arrival: arrival[0]):
         for packet in ground.decoder.feed(ground.frames(said, sender=way)[0]):
             ground.fleet.on_packet(packet, at, way=way)
-    assert (ground.known.boots, ground.known.flaws) == (2 if event == "started anew" else 1, ())
+    assert (ground.known.boots, ground.known.flaws) == (2 if event == "restarted" else 1, ())
 
 
 @pytest.mark.parametrize("frozen", [5.0, 15.0, 40.0])
-@pytest.mark.parametrize("event", ["nothing", "started anew"])
+@pytest.mark.parametrize("event", ["nothing", "restarted"])
 def test_who_stood_still_and_hears_what_waited_link_by_link_takes_nothing_for_a_new_start(ground, event, frozen):
     arrivals = []
     for step in range(400):
         time = step / 4
-        anew = event == "started anew" and time >= 80
+        restarted = event == "restarted" and time >= 80
         for way, late in (("udp", 0.0), ("radio", 0.3)):
             at = 30 + frozen + (late and 0.05) if 30 < time + late < 30 + frozen else time + late
-            begin = -78 if anew else 1000
-            arrivals.append((at, way, status(begin + time, mission_time=begin + time - (0 if anew else 50))))
+            begin = -78 if restarted else 1000
+            arrivals.append((at, way, status(begin + time, mission_time=begin + time - (0 if restarted else 50))))
     for at, way, said in sorted(arrivals, key=lambda arrival: arrival[0]):
         for packet in ground.decoder.feed(ground.frames(said, sender=way)[0]):
             ground.fleet.on_packet(packet, at, way=way)
-    assert (ground.known.boots, ground.known.flaws) == (2 if event == "started anew" else 1, ())
+    assert (ground.known.boots, ground.known.flaws) == (2 if event == "restarted" else 1, ())
 
 
 @pytest.mark.parametrize("lag", [0.4, 2.0])
-def test_a_payload_that_stood_still_has_not_started_anew_where_one_of_two_links_is_slower(ground, lag):
+def test_a_payload_that_stood_still_has_not_restarted_where_one_of_two_links_is_slower(ground, lag):
     """Its clock has gone on at once; the audio catches up."""
     arrivals = []
     for step in range(100):
@@ -220,7 +220,7 @@ def test_a_frame_that_was_overtaken_by_the_end_of_a_mission_begins_no_other(grou
 
 @pytest.mark.parametrize("apart", [20, 200, -200])
 @pytest.mark.parametrize("began", [50, 70])
-def test_two_payloads_of_one_id_on_two_links_are_noticed_and_do_not_start_anew_all_the_time(ground, apart, began):
+def test_two_payloads_of_one_id_on_two_links_are_noticed_and_do_not_restart_all_the_time(ground, apart, began):
     for step in range(100):
         for way, at, begin in (("udp", step / 4, 50), ("radio", step / 4 + 0.1, began)):
             told = status(
@@ -333,7 +333,7 @@ def test_a_number_is_used_again_for_another_text_later(ground):
 
 
 @pytest.mark.parametrize("heard", [(0, 1, 2), (0, 1), (0,)])
-def test_a_payload_that_has_just_started_anew_uses_numbers_again_for_other_texts(ground, heard):
+def test_a_payload_that_has_just_restarted_uses_numbers_again_for_other_texts(ground, heard):
     ground.say(status(100.0), v.Heartbeat(v.Health.ACTIVE, 2))
     frames = ground.frames(*chunks(v.Severity.WARNING, LONG, 9))
     ground.hear([frames[index] for index in heard])

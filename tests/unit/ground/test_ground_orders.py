@@ -83,7 +83,7 @@ def test_a_stop_for_a_payload_that_was_never_heard_is_sent_for_half_a_minute():
     assert len(script.heard) == said
 
 
-def test_a_stop_is_sent_anew_as_soon_as_its_payload_is_heard_for_the_first_time():
+def test_a_stop_is_sent_again_as_soon_as_its_payload_is_heard_for_the_first_time():
     script = Script(met=False)
     script.orders.order(WHO, Stop())
     script.wait(20.05)
@@ -303,7 +303,7 @@ def test_an_answer_after_all_is_shown_though_it_was_given_up(script):
     assert script.states() == ["done"]
 
 
-def test_a_payload_that_starts_anew_does_not_do_what_it_was_told_before(script):
+def test_a_payload_that_restarts_does_not_do_what_it_was_told_before(script):
     script.orders.on_state(Known(WHO, 0.0, 0.0, boots=1))
     script.orders.order(WHO, Turn(40))
     script.orders.order(ComponentId(2, 191), Turn(40))

@@ -17,7 +17,7 @@ def azimuths(ground):
 
 
 def test_a_trail_follows_its_source_though_indices_are_shuffled(ground):
-    """Three sources walk by one degree per estimate; the explorer numbers them anew each time."""
+    """Three sources walk by one degree per estimate; the explorer renumbers them each time."""
     walks = (0.0, 60.0, -90.0)
     for estimate in range(1, 10):
         ground.at = float(estimate * 3)

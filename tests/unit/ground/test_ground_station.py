@@ -348,7 +348,7 @@ async def test_a_payload_whose_two_ways_have_rates_and_delays_of_their_own_is_no
             assert known.status.mission_time == now
 
 
-async def test_a_payload_that_starts_anew_from_another_port_is_no_twin(ports: tuple[int, int]) -> None:
+async def test_a_payload_that_restarts_from_another_port_is_no_twin(ports: tuple[int, int]) -> None:
     with Far(ports[0]) as before, Far(ports[0]) as after:
         async with life(ports[0]) as going:
             for number in range(10):

@@ -114,7 +114,7 @@ def test_an_end_that_was_lost_is_asked_for_and_nothing_is_done_twice(rig):
     assert [type(order) for order in rig.payload.given] == [TurnTo]
 
 
-def test_when_the_link_stays_away_nothing_is_said_again_that_would_be_done_anew(rig):
+def test_when_the_link_stays_away_nothing_is_said_again_that_would_be_done_again(rig):
     rig.orders.order(WHO, Turn(40))
     rig.station.wait(0.5)
     rig.payload.ground.air.odds.loss = 1.0

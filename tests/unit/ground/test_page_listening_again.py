@@ -17,7 +17,7 @@ PAYLOAD = ComponentId(1, 191)
 
 
 class Restarting(VoicePayload):
-    """Can begin anew: its time does, and it streams nothing."""
+    """Can start again: its time does, and it streams nothing."""
 
     age = _before = 0.0
 

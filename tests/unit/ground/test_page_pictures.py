@@ -52,7 +52,7 @@ def test_what_looks_the_same_is_no_change():
     assert picture.number == number
 
 
-def test_a_history_that_grows_is_drawn_now_and_then_and_one_that_begins_anew_at_once():
+def test_a_history_that_grows_is_drawn_now_and_then_and_one_that_begins_again_at_once():
     moments = tuple(Moment(index / 10, index / 10, 6, 2, index, 0.0, None) for index in range(40))
     picture, known = ViewCache(pace=1.0), PayloadState(PAYLOAD, 0.0, 0.0)
     drawn = []

@@ -48,7 +48,7 @@ function isolationAt(curve_, heading) {
   const { first, last, isolation: shares, maximum_us: maximum } = curve_;
   const place = (wrapHalf((heading - first) * Math.sign(last - first)) / Math.abs(last - first)) * (shares.length - 1);
   const [low, part] = [Math.floor(place), place % 1];
-  const next = shares[low + 1] ?? shares[0]; // half a turn later it begins anew
+  const next = shares[low + 1] ?? shares[0]; // half a turn later it starts again
   return maximum * (shares[Math.min(low, shares.length - 1)] * (1 - part) + next * part);
 }
 
