@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -125,27 +125,44 @@ def _records(path: Path, found: _Found) -> Iterator[Any]:
     """Yield telemetry logs that are attached, and (topic, encoding, message) of sound, as far as the file goes."""
     try:
         from mcap.exceptions import McapError  # noqa: PLC0415 - an extra
-        from mcap.records import Attachment, Channel, Chunk, Message, Schema  # noqa: PLC0415
-        from mcap.stream_reader import StreamReader, breakup_chunk  # noqa: PLC0415
+        from mcap.stream_reader import StreamReader  # noqa: PLC0415
     except ModuleNotFoundError as error:
         raise GroundError(f"{path}: an MCAP file needs the package mcap: {install_line('mcap')}") from error
-    schemas: dict[int, str] = {}
-    channels: dict[int, tuple[str, str] | None] = {}
     try:
         with path.open("rb") as file:
-            for outer in StreamReader(file, emit_chunks=True, record_size_limit=LARGEST_RECORD).records:
-                for record in breakup_chunk(_inflated(outer)) if isinstance(outer, Chunk) else [outer]:
-                    if isinstance(record, Schema):
-                        schemas[record.id] = record.name
-                    elif isinstance(record, Channel):
-                        heard = schemas.get(record.schema_id) == SCHEMA
-                        channels[record.id] = (record.topic, record.message_encoding) if heard else None
-                    elif isinstance(record, Message) and (channel := channels.get(record.channel_id)) is not None:
-                        yield *channel, record
-                    elif isinstance(record, Attachment) and record.name.endswith(".tlog"):
-                        yield record
+            yield from _selected(StreamReader(file, emit_chunks=True, record_size_limit=LARGEST_RECORD).records)
     except (McapError, struct.error, ValueError, RuntimeError, EOFError, MemoryError, OverflowError) as error:
         found.damage = " ".join(str(error).split())[:80] or type(error).__name__  # it is read as far as it goes
+
+
+def _selected(records: Iterable[Any]) -> Iterator[Any]:
+    """Yield those of the records that `_records` yields, also those in chunks."""
+    from mcap.records import Attachment, Channel, Message, Schema  # noqa: PLC0415 - an extra
+
+    schemas: dict[int, str] = {}
+    channels: dict[int, tuple[str, str] | None] = {}
+    for record in _without_chunks(records):
+        if isinstance(record, Schema):
+            schemas[record.id] = record.name
+        elif isinstance(record, Channel):
+            is_sound = schemas.get(record.schema_id) == SCHEMA
+            channels[record.id] = (record.topic, record.message_encoding) if is_sound else None
+        elif isinstance(record, Message) and (channel := channels.get(record.channel_id)) is not None:
+            yield *channel, record
+        elif isinstance(record, Attachment) and record.name.endswith(".tlog"):
+            yield record
+
+
+def _without_chunks(records: Iterable[Any]) -> Iterator[Any]:
+    """Yield every record, in place of a chunk those that it holds."""
+    from mcap.records import Chunk  # noqa: PLC0415 - an extra
+    from mcap.stream_reader import breakup_chunk  # noqa: PLC0415
+
+    for record in records:
+        if isinstance(record, Chunk):
+            yield from breakup_chunk(_inflated(record))
+        else:
+            yield record
 
 
 def _inflated(chunk: Any) -> Any:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -65,21 +66,16 @@ def rows(
     """Measure everything that is not ``done``, scene by scene."""
     there = {_key(row) for row in done}
     separator = load_separator(design.separator)
-    for height in design.heights:
-        for walk in design.walks:
-            for ratio in design.ratios:
-                for k in TALKERS:
-                    for layout in range(design.layouts):
-                        row = AboveRow(
-                            height, walk, ratio, rotors_of(clips), design.ground, k, layout, design.seed, told=True
-                        )
-                        parts = layout < design.separated
-                        apart = replace(row, separator=design.separator)
-                        if _key(row) in there and (not parts or _key(replace(apart, target=k - 1)) in there):
-                            continue
-                        key, about = [design.seed, k, layout], {"speed": walk, "ground": design.ground}
-                        made = scene(k, height, ratio, voices, clips=clips, key=key, **about)
-                        yield [*explored(row, made), *(separated(apart, made, clips, separator) if parts else ())]
+    scenes = product(design.heights, design.walks, design.ratios, TALKERS, range(design.layouts))
+    for height, walk, ratio, k, layout in scenes:
+        row = AboveRow(height, walk, ratio, rotors_of(clips), design.ground, k, layout, design.seed, told=True)
+        parts = layout < design.separated
+        apart = replace(row, separator=design.separator)
+        if _key(row) in there and (not parts or _key(replace(apart, target=k - 1)) in there):
+            continue
+        key, about = [design.seed, k, layout], {"speed": walk, "ground": design.ground}
+        made = scene(k, height, ratio, voices, clips=clips, key=key, **about)
+        yield [*explored(row, made), *(separated(apart, made, clips, separator) if parts else ())]
 
 
 def explored(row: AboveRow, made: AboveScene) -> Iterator[AboveRow]:

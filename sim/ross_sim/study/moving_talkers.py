@@ -21,6 +21,7 @@ import math
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -213,8 +214,7 @@ def quality(mission: Finished, case: Case) -> float:
     return float(np.mean(values)) if values else math.nan
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Print one line per mission, and the table; 130 when it was interrupted."""
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--speech", type=Path, help="folder of recordings; default: synthetic voices")
     parser.add_argument("--start", choices=SETS_OUT, default="true", help="azimuths are told, or explored first")
@@ -235,6 +235,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--known", type=Path, help="folder where missions with known azimuths are kept")
     parser.add_argument("--tracker-alone", action="store_true", help="fly once: what is lost is not measured")
     parser.add_argument("--out", type=Path, help="file for the rows (.csv), for `ross study table`")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print one line per mission, and the table; 130 when it was interrupted."""
+    parser = _parser()
     asked = parser.parse_args(arguments)
     with told_by(parser):
         if asked.out:
@@ -243,13 +249,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         voices = voices_of(asked.speech, RATE)
     rows: list[MovingRow] = []
     try:
-        for setting in asked.settings:
-            for speed in asked.speeds:
-                for seed in range(asked.seed, asked.seed + asked.draws):
-                    case = Case(setting, speed, seed, asked.talkers, asked.start)
-                    rows.append(row(case, voices, asked.known, alone=asked.tracker_alone))
-                    sys.stdout.write(f"{rows[-1]}\n")
-                    sys.stdout.flush()
+        seeds = range(asked.seed, asked.seed + asked.draws)
+        for setting, speed, seed in product(asked.settings, asked.speeds, seeds):
+            case = Case(setting, speed, seed, asked.talkers, asked.start)
+            rows.append(row(case, voices, asked.known, alone=asked.tracker_alone))
+            sys.stdout.write(f"{rows[-1]}\n")
+            sys.stdout.flush()
     except KeyboardInterrupt:
         sys.stderr.write(f"interrupted after {len(rows)} missions\n")
         return int(Outcome.STOPPED)
