@@ -15,7 +15,7 @@ SLOWEST_S, PACE_DECAY = 0.1, 0.8  # of the pace that a plan keeps to [s]; of a s
 class SetPoints:
     """What is sent while the device is ours: positions on the way of ``motion``.
 
-    They come at the pace of the polls. Who polls late delays the plan, and after a pause it starts again from where the
+    They come at the pace of the polls. A late poll delays the plan, and after a pause it starts again from where the
     device has come to rest: no set-point asks for more of the plan than has passed since the one before.
 
     Parameters

@@ -2,7 +2,7 @@
 
 A talker at elevation epsilon has the TDOA ``(d / v_p) cos(epsilon) cos(azimuth - heading)``: over the headings it
 swings by an amplitude ``a = cos(epsilon)``. Nobody tells how far away somebody stands, so a is measured for every
-source; the height h above the mouths bounds it. Who is further away than `FARTHEST` is not heard, so that
+source; the height h above the mouths bounds it. A talker further away than `FARTHEST` is not heard, so that
 ``sin(epsilon) >= h / FARTHEST``, and the distance along the ground is ``h / tan(epsilon)``.
 
 Up there the walls are far: delays are short because talkers are below and not because a room reflects.

@@ -26,7 +26,7 @@ class Hearing:
     wider: float = 2.1  # times that where another source has a part of the bin
     share: float = 1.5  # counts by which shares are drawn to those of before
     recent: float = 2.0  # in which shares are forgotten [s]
-    homes: float = 4.0  # in which what was heard of who rests is forgotten [s]
+    homes: float = 4.0  # in which what was heard of a source at rest is forgotten [s]
     talks: float = 3.0  # log-likelihood by which a source must explain the frames of one step to be heard [nat]
     count: float = 0.3  # effective counts per unit of weight: neighbouring bins are not independent
     most: int = 300  # bins of one step that are told; they count for the others

@@ -19,7 +19,7 @@ N_AZIMUTHS = 360
 STEP = 2 * np.pi / N_AZIMUTHS  # of the grid [rad]
 AZIMUTHS = np.arange(N_AZIMUTHS) * STEP  # [rad]
 RATES = np.radians([-19.0, -15.0, -12.0, -9.5, -7.5, -5.5, -3.5, -1.5, 0.0, 1.5, 3.5, 5.5, 7.5, 9.5, 12.0, 15.0, 19.0])
-REST = int(np.flatnonzero(RATES == 0)[0])  # the rate of who rests
+REST = int(np.flatnonzero(RATES == 0)[0])  # the rate of a source at rest
 TINY = 1e-30
 
 
@@ -27,12 +27,12 @@ TINY = 1e-30
 class Motion:
     """How people move, as seen from the array."""
 
-    sets_out: float = 0.04  # who rests begins to walk [1/s]
-    stops: float = 0.05  # who walks stops [1/s]
-    turns: float = 0.2  # who walks turns back [1/s]
-    changes: float = 0.1  # who walks takes any other rate [1/s]
+    sets_out: float = 0.04  # a source at rest begins to walk [1/s]
+    stops: float = 0.05  # a walking source stops [1/s]
+    turns: float = 0.2  # it turns back [1/s]
+    changes: float = 0.1  # it takes any other rate [1/s]
     anywhere: float = 0.0005  # who has left its place may be anywhere [1/s]: so that what was lost can be found
-    settles: float = 0.2  # who rests where it was at first is taken to be there as before [1/s]
+    settles: float = 0.2  # a source that rests where it was at first is taken to be there as before [1/s]
     begins: float = 0.4  # who is silent begins to talk [1/s]
     ends: float = 0.15  # who talks falls silent [1/s]
     steady: float = np.radians(1.0)  # of a rate, per root second [rad/s^1.5]

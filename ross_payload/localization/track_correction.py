@@ -88,7 +88,7 @@ class _Correction:
 def _cases(density: Real, others: Real, part: Real, talking: Real, found: Likelihood) -> tuple[Real, Real]:
     """Log-likelihood of every case of a source, (n_rows, n_cases): that it talks, and that it does or is silent.
 
-    Who talks has its ``part`` of the bins or less; what the others have then is ``others``, both (n_rows, n).
+    A source that talks has its ``part`` of the bins or less; what the others have then is ``others``, both (n_rows, n).
     """
     alone, odds = others[..., None], talking[:, None]
     more = part[..., None] * (density - alone)

@@ -45,7 +45,7 @@ class Tracks:
     hypotheses: tuple[Hypothesis, ...]  # weights sum to 1
     homes: Real  # where each rested, as was told [rad], (k,)
     home_densities: Real  # of that on the grid, (k, n_azimuths)
-    rests: Real  # and what was heard of it since: where who rests is heard, (k, n_azimuths)
+    rests: Real  # and what was heard since: where each is heard at rest, (k, n_azimuths)
     heading: float  # of the array when it was last heard [rad]
     elevations: Real  # cosines, (k,)
     shares: Real  # of the bins of every band, the last is nobody's, (k + 1, n_bands)

@@ -2,9 +2,9 @@
 
 `on_packet` takes what arrives and `tick` the time, both on the thread of the pump. Answers leave one every `PACE`: a
 whole list does not crowd out telemetry, and no parameter waits in line more than once for a link. What a client has
-missed it asks for again. A ground station that appears is told one value unasked: QGroundControl asks for the others of
-a component only after it has heard one. Who asks us for what does not exist, or sets what is not allowed, gets a
-PARAM_ERROR: a client that knows it need not ask five times more.
+missed it asks for again. A ground station that appears is sent one value without having asked: QGroundControl asks for
+the others of a component only after it has received one. A request for what does not exist, or a value that is not
+allowed, is answered with a PARAM_ERROR: a client that knows it need not ask five times more.
 """
 
 from __future__ import annotations

@@ -135,7 +135,7 @@ def _sought(context: Context, among: Search) -> Step[tuple[Search, int | None]]:
 def _sought_on(context: Context, among: Search) -> Step[tuple[Search, int | None]]:
     """Where nobody is recognised, explore what was left out, and search among those who are found then.
 
-    Returns as `_sought`. Who has been heard is not visited again: what was heard of them goes on to count.
+    Returns as `_sought`. A source that has been heard is not visited again: what was heard of them goes on to count.
     """
     belief = yield from explore_on(context, among.estimate)
     if belief is None:

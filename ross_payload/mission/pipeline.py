@@ -44,7 +44,7 @@ def promising(context: Context, visits: Visits) -> PromisingVisit | None:
     """Return the alignment worth a visit instead of the next orientation, or None.
 
     The belief must be steady; the alignment must set its source apart clearly, and the source must not have been
-    rejected before. Who is likelier by what the exploration has heard comes first, and of the like the nearer one.
+    rejected before. The likelier one by what the exploration has heard comes first, and of the like the nearer one.
     """
     if not steady(context.beliefs) or visits.count >= context.settings.max_rotations:
         return None

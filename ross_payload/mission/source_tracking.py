@@ -215,9 +215,9 @@ class SourceTracker:
     def _clear(self, homes: Real, far: float) -> Real:
         """Probability that every source is ``far`` [rad] from its place, 0 where it is not clear where it is, (k,).
 
-        Who walks near the axis, or past the mirror image of its place, may have the delay of that place for long. What
-        echoes feign near the axis has a mirror image itself, and is not clear; nor is the axis, which has none: a delay
-        that they draw to 0 less than expected is that of a source on the axis.
+        A source that walks near the axis, or past the mirror image of its place, may have the delay of that place for
+        long. What echoes feign near the axis has a mirror image itself, and is not clear; nor is the axis, which has
+        none: a delay that they draw to 0 less than expected is that of a source on the axis.
         """
         away, _ = self.tracks.gone(homes, far, 0.0)
         now, axis = self.tracks.azimuths, self.tracks.heading

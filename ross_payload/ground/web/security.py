@@ -107,7 +107,7 @@ def shown(text: str) -> str:
 
 @dataclass(slots=True)
 class Gate:
-    """Lets in who knows the token; whoever guesses waits."""
+    """Lets in whoever knows the token; whoever guesses waits."""
 
     token: str | None  # None: everybody who reaches the page may open it
     wrong: dict[str, tuple[int, float]] = field(default_factory=dict)  # by address: how often, the latest [s]
