@@ -3,6 +3,7 @@
 import io
 import sys
 from contextlib import redirect_stderr, redirect_stdout
+from functools import partial
 
 import pytest
 
@@ -26,3 +27,10 @@ def called_once(*arguments):
         with pytest.raises(SystemExit) as end:
             cli.main()
     return end.value.code, out.getvalue(), err.getvalue()
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Call ``ross`` as `called` does, with voices of its own in ``data`` of the folder of the test."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    return partial(called, monkeypatch, capsys)

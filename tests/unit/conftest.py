@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from command_line import run  # noqa: F401
 from nobody import closed  # noqa: F401
 from ross_payload.config import Link
 from ross_payload.mavlink import Router

@@ -1,31 +1,17 @@
 import errno
 import io
 import json
-import os
 import signal
 import subprocess
 import sys
 from contextlib import suppress
-from functools import partial
 
 import click
-import numpy as np
 import pytest
-import soundfile
 
-from command_line import called
 from nobody import nobody
 from ross_payload import cli
-from ross_payload.audio.audio_files import BLOCK, read_mono
 from ross_payload.notify import on_signal
-from ross_payload.voiceprint import speaker_model
-from speaker_network import vowel
-
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    return partial(called, monkeypatch, capsys)
 
 
 def test_help_lists_every_command_and_exit_code(run):
@@ -171,75 +157,6 @@ def test_a_bad_value_is_exit_code_2(run, arguments):
     assert "Traceback" not in err
 
 
-def test_enrolling_silence_is_refused_and_nothing_is_kept(run, tmp_path):
-    path = tmp_path / "silence.wav"
-    soundfile.write(path, np.zeros(48000), 16000)
-    code, _, err = run("enroll", "anna", path)
-    assert code == 2
-    assert err.count("\n") == 1
-    assert not list((tmp_path / "data").rglob("*anna*"))
-
-
-@pytest.mark.parametrize(("scale", "rate"), [(1.0, 1_999_999_999), (1e30, 16000)], ids=["rate", "peak"])
-def test_a_recording_of_no_sound_is_one_line(run, tmp_path, scale, rate):
-    path = tmp_path / "odd.wav"
-    soundfile.write(path, scale * vowel(), rate, subtype="DOUBLE")
-    code, out, err = run("enroll", "ann", path)
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert f"{path}: expected " in err
-    assert not (tmp_path / "data").exists()
-
-
-def test_of_a_long_recording_the_beginning_is_used_and_it_says_so(run, tmp_path, monkeypatch):
-    monkeypatch.setattr(speaker_model, "LONGEST", 4.0)
-    voice, long, short = vowel(), tmp_path / "long.wav", tmp_path / "short.wav"
-    soundfile.write(short, voice, 16000)
-    soundfile.write(long, np.concatenate([voice, np.full(16000, 0.5)]), 16000)
-    assert run("enroll", "ann", short)[2] == ""
-    assert run("enroll", "bob", long)[2] == f"{long}: the first 4 s are used, the rest is left out\n"
-    ann, bob = (tmp_path / "data" / "ross" / "voices" / f"{name}.json" for name in ("ann", "bob"))
-    assert ann.read_bytes() == bob.read_bytes()
-
-
-@pytest.mark.parametrize("form", ["wav", "flac"])
-def test_a_recording_is_read_as_the_mean_of_its_channels(tmp_path, form):
-    path = tmp_path / f"three.{form}"
-    soundfile.write(path, np.random.default_rng(0).uniform(-0.5, 0.5, (BLOCK + 1000, 3)), 16000)
-    samples, rate, goes_on = read_mono(path)
-    np.testing.assert_array_equal(samples, soundfile.read(path)[0].mean(axis=1))
-    assert (rate, goes_on) == (16000, False)
-    first, _, goes_on = read_mono(path, 0.5)
-    np.testing.assert_array_equal(first, samples[:8000])
-    assert goes_on
-
-
-def test_forgetting_somebody_unknown_says_so(run):
-    code, _, err = run("enroll", "nobody", "--forget")
-    assert code == 2
-    assert "nobody" in err
-
-
-def test_forgetting_and_enrolling_at_once_is_refused_and_nothing_is_deleted(run, tmp_path):
-    (tmp_path / "data" / "ross" / "voices").mkdir(parents=True)
-    kept = tmp_path / "data" / "ross" / "voices" / "anna.json"
-    kept.write_text("{}")
-    assert run("enroll", "anna", "a.flac", "--forget") == (
-        2,
-        "",
-        "ross: AUDIO: expected none with --forget, got a.flac\n",
-    )
-    assert kept.exists()
-
-
-def test_a_folder_is_no_audio_and_no_network(run, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    expected = f"ross: {tmp_path}: expected an audio file, got a folder\n"
-    assert run("enroll", "anna", tmp_path) == (2, "", expected)
-    os.mkfifo(tmp_path / "pipe")
-    assert run("enroll", "anna", "pipe") == (2, "", "ross: pipe: expected an audio file, got a named pipe\n")
-    assert run("voice-model", "add", ".")[2].endswith("as the name of a file, got '.'\n")
-
-
 def test_a_user_without_a_home_is_told_what_to_set(run, monkeypatch):
     """As in a container that runs as a number."""
     for name in ("HOME", "XDG_DATA_HOME", "STATE_DIRECTORY"):
@@ -288,88 +205,6 @@ def test_a_signal_that_interrupted_nobody_is_heard_by_who_listens_for_signals(ru
     monkeypatch.setitem(cli.ross.commands, "start", start)
     assert run("start")[0] == 0
     assert heard == ["SIGTERM", "runs"]
-
-
-@pytest.mark.parametrize(
-    ("words", "meant"),
-    [
-        (["sitll"], "sitl"),
-        (["config", "chek", "a.toml"], "check"),
-        (["sitl", "--scenario", "drone-yaww"], "drone-yaw"),
-        (["world", "dmo"], "demo"),
-        (["study", "papr", "--out", "out"], "paper"),
-        (["study", "--separators", "auxva", "--out", "out"], "auxiva"),
-        (["enroll", "--forget", "annn"], "ann"),
-    ],
-)
-def test_a_slip_of_the_pen_is_told_what_may_be_meant(run, tmp_path, monkeypatch, words, meant):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "data" / "ross" / "voices").mkdir(parents=True)
-    (tmp_path / "data" / "ross" / "voices" / "ann.json").write_text("{}")
-    code, out, err = run(*words)
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert f"id you mean '{meant}'?" in err
-
-
-def usages(command, path=("ross",)):
-    """Every usage line."""
-    context = click.Context(command, info_name=path[-1])
-    yield command.collect_usage_pieces(context)
-    for name in command.list_commands(context) if isinstance(command, click.Group) else ():
-        yield from usages(command.get_command(context, name), (*path, name))
-
-
-def test_every_argument_is_named_after_what_it_is():
-    pieces = [piece for usage in usages(cli.ross) for piece in usage if piece.isupper()]
-    assert "MIXTURE" in pieces
-    assert not [piece for piece in pieces if len(piece.strip("[]. ")) < 3]
-
-
-def commands(command, path=("ross",)):
-    """Every command that is no group, and how it is called."""
-    if not isinstance(command, click.Group):
-        yield " ".join(path), command
-        return
-    context = click.Context(command, info_name=path[-1])
-    for name in command.list_commands(context):
-        yield from commands(command.get_command(context, name), (*path, name))
-
-
-NUMBERS = [
-    pytest.param(option, id=f"{called} {option.opts[0]}")
-    for called, command in commands(cli.ross)
-    for option in command.params
-    if isinstance(option.type, click.types.FloatParamType)
-]
-
-
-def test_the_options_that_are_numbers_are_found():
-    assert {"ross calibrate --turn", "ross world --quiet", "ross monitor --wait"} <= {each.id for each in NUMBERS}
-
-
-@pytest.mark.parametrize("option", NUMBERS)
-def test_no_number_may_be_nan(option):
-    with pytest.raises(click.BadParameter, match=r"expected a (finite )?number, got nan"):
-        option.type_cast_value(click.Context(cli.ross), ("nan",) if option.multiple else "nan")
-
-
-def test_infinity_is_a_number_where_something_may_never_end():
-    taken = set()
-    for each in NUMBERS:
-        (option,) = each.values
-        try:
-            option.type_cast_value(click.Context(cli.ross), ("inf",) if option.multiple else "inf")
-        except click.BadParameter:
-            continue
-        taken.add(each.id)
-    assert taken == {"ross listen --duration", "ross monitor --wait"}
-
-
-@pytest.mark.parametrize("option", ["--turn", "--listen", "--elevation"])
-def test_a_turn_by_nan_is_one_line_before_anything_is_opened(run, tmp_path, option):
-    code, out, err = run("calibrate", tmp_path / "absent.toml", option, "nan")
-    assert (code, out) == (2, "")
-    assert err == f"ross: Invalid value for '{option}': expected a finite number, got nan\n"
 
 
 CLOSED = {  # of a file, and what is said of it, in a folder that may not be entered
