@@ -16,8 +16,8 @@ from typing import Generic, ParamSpec, TypeVar
 from ross_payload.errors import RossError
 from ross_payload.interfaces import Clock
 
-TICK = 0.010  # [s]
-LAST_CALL = 1.0  # so long a cancelled call that hangs is waited for [s]
+TICK_S = 0.010  # [s]
+LAST_CALL_TIMEOUT_S = 1.0  # so long a cancelled call that hangs is waited for [s]
 URGENCY = 10  # real-time priority of the pump, above everything ordinary and below the kernel's own threads
 TIMEX = 512  # more than the size of Linux's struct timex [bytes]
 UNSYNCHRONISED = 5  # TIME_ERROR of adjtimex
@@ -134,7 +134,7 @@ class SystemClock:
             with self._lock:
                 if periodic in self._calls:
                     self._calls.remove(periodic)
-            if periodic.running.acquire(timeout=LAST_CALL):
+            if periodic.running.acquire(timeout=LAST_CALL_TIMEOUT_S):
                 periodic.running.release()
 
         return cancel
@@ -153,7 +153,7 @@ class SystemClock:
                     if periodic.active and now >= periodic.due:
                         periodic.due = max(periodic.due + periodic.period, now)
                         self._run(periodic)
-            time.sleep(TICK)
+            time.sleep(TICK_S)
 
     def _run(self, periodic: _Periodic) -> None:
         try:

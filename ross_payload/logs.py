@@ -29,7 +29,7 @@ from ross_protocols.angle_text import bearings, rotation
 from ross_protocols.mavlink.values import Severity
 
 BURST = 5.0  # warnings of one kind that come through at once
-PERIOD = 10.0  # [s] between them in the long run
+REPEAT_PERIOD_S = 10.0  # [s] between them in the long run
 KINDS = 256  # of warnings that are told apart
 PRIORITIES = ((logging.CRITICAL, 2), (logging.ERROR, 3), (logging.WARNING, 4), (logging.INFO, 6))  # else 7, debug
 LEVELS = (
@@ -93,7 +93,7 @@ class Repeats(logging.Filter):
         if record.levelno < logging.WARNING:
             return True
         kind = (record.name, record.levelno, str(record.msg))
-        bucket, held = self._kinds.pop(kind, (TokenBucket(BURST, 1 / PERIOD), 0))
+        bucket, held = self._kinds.pop(kind, (TokenBucket(BURST, 1 / REPEAT_PERIOD_S), 0))
         passes = bucket.spend(record.created)
         self._kinds[kind] = bucket, 0 if passes else held + 1
         if len(self._kinds) > KINDS:

@@ -21,8 +21,8 @@ from ross_payload.interfaces import Cancel, Clock, Input
 
 T = TypeVar("T")
 
-HEARD = 0.1  # [s] within which a signal is heard, whichever thread the system gave it to
-TIMEOUT = 0.1  # [s] that a full socket of the manager may hold us up
+SIGNAL_LATENCY_S = 0.1  # [s] within which a signal is heard, whichever thread the system gave it to
+SEND_TIMEOUT_S = 0.1  # [s] that a full socket of the manager may hold us up
 PINGS = 4  # in one period of the manager's watchdog: three may be late
 MISSION = "mission"  # its mark in `Watchdog`
 
@@ -68,7 +68,7 @@ class Manager:
         where = "\0" + self.address[1:] if self.address.startswith("@") else self.address
         try:
             with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as wire:
-                wire.settimeout(TIMEOUT)
+                wire.settimeout(SEND_TIMEOUT_S)
                 wire.sendto(text.encode(), where)
         except OSError:
             return False
@@ -160,6 +160,6 @@ def hearing_signals(future: Future[T]) -> T:
     Python calls what handles a signal on the main thread. The system may give the signal to any other one, which does
     not wake the main thread where that waits for a lock without a limit.
     """
-    while not wait([future], HEARD).done:
+    while not wait([future], SIGNAL_LATENCY_S).done:
         pass
     return future.result()

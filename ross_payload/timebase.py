@@ -16,11 +16,11 @@ from ross_protocols.mavlink import vehicle
 from ross_protocols.mavlink.vehicle import SystemTime, TimeSync
 
 SAMPLES = 16  # round trips kept: the quickest one tells most
-PAUSE = 0.02  # [s] between two answers of ours: nobody needs more
+ANSWER_PERIOD_S = 0.02  # [s] between two answers of ours: nobody needs more
 ANSWER_TIMEOUT_S = 1.0  # [s] that an answer may take
-SLACK = 0.005  # [s] that clocks may have drifted apart since an older round trip
+CLOCK_DRIFT_S = 0.005  # [s] that clocks may have drifted apart since an older round trip
 ORDER_S = 1.0  # by which messages may come out of order [s]
-STEP = 0.5  # [s]: a UNIX time that is off by more is set again, a smaller difference is worked off
+STEP_S = 0.5  # [s]: a UNIX time that is off by more is set again, a smaller difference is worked off
 EASE = 0.1  # of a smaller difference, at a time
 SLOWEST = 0.9  # of real time, at which time goes on while it is ahead of a clock that was set back
 PLAUSIBLE = 4_102_444_800.0  # UNIX time of 2100 [s]: a clock that says more is wrong
@@ -142,7 +142,7 @@ class Timebase:
 
     def _answer(self, request: TimeSync, link: str) -> None:
         now = self._clock.now()
-        if now - self._answered >= PAUSE:
+        if now - self._answered >= ANSWER_PERIOD_S:
             self._answered = now
             self._send(TimeSync(request.asked, self._nanoseconds()), link)
 
@@ -152,12 +152,12 @@ class Timebase:
         if asked not in self._asked or not 0 <= now - begin <= ANSWER_TIMEOUT_S:
             return
         trip = (now - begin, (begin + now) / 2 - answered / 1e9)
-        if self._trips and abs(trip[1] - min(self._trips)[1]) > (trip[0] + min(self._trips)[0]) / 2 + SLACK:
+        if self._trips and abs(trip[1] - min(self._trips)[1]) > (trip[0] + min(self._trips)[0]) / 2 + CLOCK_DRIFT_S:
             self._trips.clear()  # the autopilot has restarted its count
         self._trips.append(trip)
 
     def _set(self, epoch: float) -> None:
-        if self._epoch is None or abs(epoch - self._epoch) > STEP:
+        if self._epoch is None or abs(epoch - self._epoch) > STEP_S:
             if self._epoch is not None and epoch < self._epoch:
                 log.warning("the time of day was set back by %.1f s: time stamps slow down", self._epoch - epoch)
             self._epoch = epoch

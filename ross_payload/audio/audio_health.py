@@ -19,7 +19,7 @@ from ross_payload.interfaces import AudioBlock, AudioFlag, Input, Real
 
 PER_SECOND = 10  # judgements
 LEVELS, DEAD, LONG, GONE = 10, 20, 30, 5  # judgements that a verdict looks back: levels, dead, the slow ones, absent
-LOST_FOR = 10.0  # [s]
+LOSS_REPORTED_S = 10.0  # [s]
 FLOOR_DB = -120.0
 FAR_LESS_DB = 30.0  # between a dead microphone and the other; talkers and rooms make a few
 QUIET_DB = -80.0  # below it two channels may be alike by rounding
@@ -127,7 +127,7 @@ class HealthMonitor:
         trouble = _dead(tenths[-DEAD:]) | _offset(tenths) | _identical(tenths) | self._polarity(tenths)
         if any(tenth.clipped for tenth in recent):
             trouble |= AudioTrouble.CLIPPING
-        if now - self._lost_at < LOST_FOR:
+        if now - self._lost_at < LOSS_REPORTED_S:
             trouble |= AudioTrouble.LOST
         last = list(self._tenths)[-GONE:]
         if len(last) == GONE and all(tenth.missing and tenth.constant.all() for tenth in last):

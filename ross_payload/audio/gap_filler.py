@@ -18,15 +18,15 @@ from ross_payload.audio.ring import Piece
 from ross_payload.audio.sample_clock import SampleClock
 from ross_payload.interfaces import Samples
 
-LATE = 0.040  # [s] behind the Clock: held back
-CAUGHT_UP = 0.020  # [s] behind the Clock: nothing is missing
-EARLY = 0.040  # [s] before it can have been heard: zeros stand for more than was missing
-DECIDE = 0.3  # [s] until what does not catch up is a gap
-CATCHING_UP = 0.03  # [s] that later pieces are less late, within that time
-LONGEST = 1.5  # [s] that anything is held back
-HELD_UP = 0.1  # [s] without a look, or without a piece: something was held up, and now deserves patience
+LATE_S = 0.040  # [s] behind the Clock: held back
+CAUGHT_UP_S = 0.020  # [s] behind the Clock: nothing is missing
+EARLY_S = 0.040  # [s] before it can have been heard: zeros stand for more than was missing
+DECISION_TIMEOUT_S = 0.3  # [s] until what does not catch up is a gap
+CATCH_UP_S = 0.03  # [s] that later pieces are less late, within that time
+HOLD_TIMEOUT_S = 1.5  # [s] that anything is held back
+PAUSE_S = 0.1  # [s] without a look, or without a piece: something was held up, and now deserves patience
 SILENCE_TIMEOUT_S = 0.5  # without a sample until zeros take their place
-WARM_UP = 0.5  # [s] at the start, in which the clock is learnt
+WARM_UP_S = 0.5  # [s] at the start, in which the clock is learnt
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class GapFiller:
     rate
         Of what arrives [Hz].
     settling
-        What nobody hears at the start [s], at most `WARM_UP`: sample 0 is the first after it.
+        What nobody hears at the start [s], at most `WARM_UP_S`: sample 0 is the first after it.
     """
 
     def __init__(self, rate: int, settling: float = 0.0) -> None:
@@ -98,8 +98,10 @@ class GapFiller:
             self._guessed -= given
             self._zeros(refused - given)
         self._hold(piece, self._clock)
-        in_time = self._earliest < (LATE if len(self._held) == 1 else CAUGHT_UP)
-        patient = piece.arrived - self._since < DECIDE and piece.arrived - self._held[0].arrived < LONGEST
+        in_time = self._earliest < (LATE_S if len(self._held) == 1 else CAUGHT_UP_S)
+        patient = (
+            piece.arrived - self._since < DECISION_TIMEOUT_S and piece.arrived - self._held[0].arrived < HOLD_TIMEOUT_S
+        )
         if in_time or not patient:
             self._resolve(self._clock)
 
@@ -110,7 +112,7 @@ class GapFiller:
         """
         if self._clock is None:
             return
-        if self._held and now - max(self._since, resumed) >= DECIDE:
+        if self._held and now - max(self._since, resumed) >= DECISION_TIMEOUT_S:
             self._resolve(self._clock)
         silent = round((now - SILENCE_TIMEOUT_S - self._clock.ahead(self._end)) * self._rate)
         patient = not self._owed and now - resumed < SILENCE_TIMEOUT_S
@@ -143,7 +145,7 @@ class GapFiller:
 
     def _warm_up(self, piece: Piece) -> None:
         self._held.append(piece)
-        if piece.arrived - self._held[0].arrived < WARM_UP:
+        if piece.arrived - self._held[0].arrived < WARM_UP_S:
             return
         end, earliest = 0, math.inf
         for held in self._held:
@@ -155,22 +157,22 @@ class GapFiller:
         self._held.clear()
 
     def _hold(self, piece: Piece, clock: SampleClock) -> None:
-        began = piece.arrived - (self._held[-1].arrived if self._held else -math.inf) > HELD_UP
+        began = piece.arrived - (self._held[-1].arrived if self._held else -math.inf) > PAUSE_S
         self._held.append(piece)
         late = piece.arrived - clock.ahead(self._end - self._owed + self.held)
         self._earliest = min(self._earliest, late)
-        if began or late < self._best - CATCHING_UP:
+        if began or late < self._best - CATCH_UP_S:
             self._since, self._best = piece.arrived, late
 
     def _resolve(self, clock: SampleClock) -> None:
         """Let go of what is held, after zeros for what is missing and without what zeros stand for already."""
         if not self._held:
             return
-        gap = round(self._earliest * self._rate) if self._earliest > LATE else 0
+        gap = round(self._earliest * self._rate) if self._earliest > LATE_S else 0
         if gap > self._owed:
             clock.coast(self._end)
         self._guess(gap - self._owed)
-        early = round(-self._earliest * self._rate) if self._earliest < -EARLY else 0
+        early = round(-self._earliest * self._rate) if self._earliest < -EARLY_S else 0
         surplus = max(self._owed - gap, 0) + min(early, self._guessed)
         for piece in self._held:
             cut = min(surplus, piece.samples.shape[1])

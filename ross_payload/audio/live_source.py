@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Protocol, Self, runtime_checkable
 
 from ross_payload.audio.channel_map import ChannelMap
-from ross_payload.audio.gap_filler import HELD_UP, GapFiller
+from ross_payload.audio.gap_filler import PAUSE_S, GapFiller
 from ross_payload.audio.reconnecting_feed import Feed, ReconnectingFeed, Worker, in_thread
 from ross_payload.audio.ring import Ring
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import AudioBlock, AudioFlag, Clock, Real
 
-FIRST_SOUND = 5.0  # [s] after the opening within which something must be heard
+FIRST_SOUND_TIMEOUT_S = 5.0  # [s] after the opening within which something must be heard
 SHORTEST_NAP, LONGEST_NAP = 0.001, 0.02  # [s] between two looks into the ring
 
 OnSamples = Callable[[Real], None]  # takes frames (n, n_channels); never waits
@@ -102,7 +102,7 @@ class LiveSource:
             raise AudioError("the microphones are not open")
         while self._fetch(n) < n:
             now = self._clock.now()
-            if now - self._looked > HELD_UP:  # as when the whole computer was held up
+            if now - self._looked > PAUSE_S:  # as when the whole computer was held up
                 self._resumed = now
             self._looked = now
             self._gap_filler.wait(now, self._resumed)
@@ -152,10 +152,10 @@ class LiveSource:
         self._feed.close()
 
     def _begin(self) -> None:
-        until = self._clock.now() + FIRST_SOUND
+        until = self._clock.now() + FIRST_SOUND_TIMEOUT_S
         while not self._gap_filler.started:
             if self._clock.now() > until:
-                raise AudioError(f"the microphones were opened, but gave no audio within {FIRST_SOUND:g} s")
+                raise AudioError(f"the microphones were opened, but gave no audio within {FIRST_SOUND_TIMEOUT_S:g} s")
             self._clock.sleep(LONGEST_NAP)
             self._fetch(1)
 

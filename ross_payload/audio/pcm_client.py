@@ -13,7 +13,7 @@ from ross_payload.errors import AudioError, refused_as
 from ross_payload.transport.link_url import host_and_port, tcp_endpoint
 from ross_protocols.audio.pcm import Decoder, PcmError
 
-CONNECT = 3.0  # [s] within which the other end answers and says what it sends
+CONNECT_TIMEOUT_S = 3.0  # [s] within which the other end answers and says what it sends
 LARGEST = 65536  # of one read [bytes]
 
 
@@ -35,7 +35,7 @@ class PcmClient:
         """
         where = f"tcp:{host_and_port(*self._address)}"
         with refused_as(AudioError, f"{where}: no audio"):
-            sock = socket.create_connection(self._address, CONNECT)
+            sock = socket.create_connection(self._address, CONNECT_TIMEOUT_S)
         try:
             decoder = self._header(sock)
         except (OSError, PcmError, AudioError) as error:

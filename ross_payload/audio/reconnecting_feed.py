@@ -18,9 +18,9 @@ from ross_payload.interfaces import Clock
 log = logging.getLogger(__name__)
 
 FIRST_WAIT, LONGEST_WAIT = 0.5, 10.0  # [s] between two attempts
-LEAVE = 5.0  # [s] that a driver which hangs may take at the end
+CLOSE_TIMEOUT_S = 5.0  # [s] that a driver which hangs may take at the end
 MOST_TEXT = 120  # characters of what a feed of others has raised
-STALE = 2.0  # [s] without a frame: a feed that calls itself alive is not
+STALE_AFTER_S = 2.0  # [s] without a frame: a feed that calls itself alive is not
 
 
 class Feed(Protocol):
@@ -87,7 +87,7 @@ class ReconnectingFeed:
             self._report("")
         if self._busy or now < self._due:
             return
-        if now - max(self._progress[1], resumed) < STALE and self._is_alive():
+        if now - max(self._progress[1], resumed) < STALE_AFTER_S and self._is_alive():
             return
         self._report(self.trouble or "the microphones were disconnected")
         self._busy = True
@@ -96,7 +96,7 @@ class ReconnectingFeed:
     def close(self) -> None:
         """Close for good."""
         if self._worker is not None:
-            self._worker.join(LEAVE)
+            self._worker.join(CLOSE_TIMEOUT_S)
         self._drop()
 
     def _is_alive(self) -> bool:

@@ -11,11 +11,11 @@ import math
 from collections import deque
 from dataclasses import dataclass
 
-WINDOW = 1.0  # [s] of samples between two corrections
+WINDOW_S = 1.0  # [s] of samples between two corrections
 BANDWIDTH = 0.02  # of the loop [Hz]: it follows a crystal that warms up, not a thread that is late
-OMEGA = 2 * math.pi * BANDWIDTH * WINDOW
+OMEGA = 2 * math.pi * BANDWIDTH * WINDOW_S
 PROPORTIONAL, INTEGRAL = math.sqrt(2) * OMEGA, OMEGA**2
-TRUSTED = 0.005  # [s]: what a window is off by more tells of a late start, not of the rate
+LATE_START_S = 0.005  # [s]: what a window is off by more tells of a late start, not of the rate
 FASTEST = 0.01  # share by which time may run fast or slow to catch up
 SETTLING = 10  # windows until the loop tells the rate's beginning
 MEASURED = 30  # windows more until the rate is worth telling
@@ -61,7 +61,7 @@ class SampleClock:
     def observe(self, end: int, arrived: float) -> None:
         """Learn that the samples before ``end`` had arrived at a time [s]."""
         self._earliest = min(self._earliest, arrived - self.ahead(end))
-        if end - self._lines[-1].index >= WINDOW * self._rate:
+        if end - self._lines[-1].index >= WINDOW_S * self._rate:
             self._correct(end)
 
     def coast(self, end: int) -> None:
@@ -85,8 +85,8 @@ class SampleClock:
 
     def _correct(self, end: int) -> None:
         error = self._earliest
-        self._drift += INTEGRAL * max(-TRUSTED, min(error, TRUSTED)) / WINDOW
-        slew = max(-FASTEST, min(self._drift + PROPORTIONAL * error / WINDOW, FASTEST))
+        self._drift += INTEGRAL * max(-LATE_START_S, min(error, LATE_START_S)) / WINDOW_S
+        slew = max(-FASTEST, min(self._drift + PROPORTIONAL * error / WINDOW_S, FASTEST))
         self._lines.append(_Line(end, self.ahead(end), (1 + slew) / self._rate))
         self._earliest = math.inf
         self._windows += 1

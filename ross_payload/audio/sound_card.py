@@ -16,7 +16,7 @@ from ross_payload.interfaces import Real
 
 TOLERANCE = 0.01  # share by which the rate that a card says it has may differ; a crystal is better by far
 
-SETTLING = 0.3  # [s] in which a card that was switched on pops
+SETTLING_S = 0.3  # [s] in which a card that was switched on pops
 
 
 class SoundCard:
@@ -105,7 +105,7 @@ class SoundCardStream:
 
 def audio_source(address: str, services: SourceServices) -> LiveSource:
     """Make the source ``device:NAME``."""
-    return services.live(SoundCard(address, services.audio, services.wiring), settling=SETTLING)
+    return services.live(SoundCard(address, services.audio, services.wiring), settling=SETTLING_S)
 
 
 def _first_line(error: Exception) -> str:

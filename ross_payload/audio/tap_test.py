@@ -65,7 +65,7 @@ class TapFinder:
 
 
 TAP_TIMEOUT_S = 20.0  # for each tap
-RETRY = 1.0  # [s]
+RETRY_PERIOD_S = 1.0  # [s]
 
 
 def tap(config: Config) -> None:
@@ -104,7 +104,7 @@ def wait(config: Config, clock: Clock) -> None:
             if str(error) != told:
                 told = str(error)
                 click.echo(f"waiting for the microphones: {told}", err=True)
-        clock.sleep(RETRY)
+        clock.sleep(RETRY_PERIOD_S)
 
 
 def _wait(source: AudioSource, hop: int) -> Tap:

@@ -12,13 +12,13 @@ from pathlib import Path
 
 from ross_payload.clock import may_hurry
 
-TIMEOUT = 5.0  # [s] that a program may take
+PROGRAM_TIMEOUT_S = 5.0  # [s] that a program may take
 
 
 def output_of(command: Sequence[str]) -> str | None:
     """Return what a program prints; None when it is not there, fails or hangs."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT, check=True)  # noqa: S603
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PROGRAM_TIMEOUT_S, check=True)  # noqa: S603
     except (OSError, subprocess.SubprocessError):
         return None
     return done.stdout.strip()

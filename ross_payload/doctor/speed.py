@@ -23,7 +23,7 @@ from ross_payload.mission.settings import Settings
 from ross_payload.service.assemble import settings_of, tools_of
 
 AZIMUTHS = (-1.2, 0.3, 1.9)  # of the made-up voices [rad]
-SYLLABLE = 0.2  # [s]
+SYLLABLE_S = 0.2  # [s]
 HOPS_PER_S = 100  # [1/s]
 
 
@@ -96,7 +96,7 @@ def voices(config: Config, heading: float, seconds: float) -> Samples:
     tau = tdoa(np.array(AZIMUTHS), heading, config.array.spacing_m, config.array.speed_of_sound_m_s)
     heard = np.zeros((2, n))
     for delay in tau:
-        loud = np.repeat(rng.random(math.ceil(seconds / SYLLABLE)) ** 3, round(SYLLABLE * rate))[:n]
+        loud = np.repeat(rng.random(math.ceil(seconds / SYLLABLE_S)) ** 3, round(SYLLABLE_S * rate))[:n]
         voice = np.fft.rfft(rng.standard_normal(n) * np.resize(loud, n)) / (1 + frequencies / 500)
         heard += np.fft.irfft(voice * np.exp(2j * np.pi * frequencies * np.array([[0.0], [delay]])), n)
     return (0.1 * heard + 1e-3 * rng.standard_normal((2, n))).astype(np.float32)

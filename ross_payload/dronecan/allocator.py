@@ -14,11 +14,11 @@ from ross_protocols.dronecan.messages import FOLLOW_UP_TIMEOUT, UNIQUE, Allocati
 from ross_protocols.dronecan.node_messages import Reply
 from ross_protocols.dronecan.services import NodeInfo, NodeInfoRequest
 
-LISTEN = 3.0  # [s] before the first id is given: who is there says so every second
+LISTEN_FIRST_S = 3.0  # [s] before the first id is given: who is there says so every second
 HIGHEST = 125  # 126 and 127 are left to tools
 AVOIDED = range(100, 106)  # PX4's parameter bridge takes these for cameras and drops what is meant for the node
-OFFLINE = 3.0  # [s] of silence
-ASK_PERIOD = 1.0  # [s] between two questions to one node
+OFFLINE_AFTER_S = 3.0  # [s] of silence
+NODE_INFO_PERIOD_S = 1.0  # [s] between two questions to one node
 MOST_ASKED = 4  # questions to a node that does not answer
 log = logging.getLogger(__name__)
 
@@ -42,7 +42,7 @@ class Neighbours:
     def on_status(self, node: int, now: float) -> None:
         """Note that a node lives; one that was away may be another one now."""
         known = self._nodes.get(node)
-        if known is None or now - known.received_at > OFFLINE:
+        if known is None or now - known.received_at > OFFLINE_AFTER_S:
             self._nodes[node] = Neighbour(now)
         else:
             known.received_at = now
@@ -56,7 +56,7 @@ class Neighbours:
         """Return a node to be asked who it is; None: nobody at present."""
         for node, each in self._strangers():
             if now >= each.ask_at:
-                each.asked, each.ask_at = each.asked + 1, now + ASK_PERIOD
+                each.asked, each.ask_at = each.asked + 1, now + NODE_INFO_PERIOD_S
                 return node
         return None
 
@@ -67,7 +67,7 @@ class Neighbours:
 
     def present(self, node: int, now: float) -> bool:
         """Tell whether a node is on the bus."""
-        return node in self._nodes and now - self._nodes[node].received_at <= OFFLINE
+        return node in self._nodes and now - self._nodes[node].received_at <= OFFLINE_AFTER_S
 
     def who(self, node: int) -> bytes | None:
         """Return the unique id of a node; None: it has not said."""
@@ -93,7 +93,7 @@ class Allocator:
     def __init__(self, node: Node, kept: PersistentIds, now: float) -> None:
         self._node = node
         self._kept = kept
-        self._begin = now + LISTEN
+        self._begin = now + LISTEN_FIRST_S
         self._neighbours = Neighbours()
         self._so_far = b""  # of the unique id that is being told
         self._heard_at = now  # [s]

@@ -21,11 +21,13 @@ from ross_protocols.dronecan.messages import Allocation, Health, Mode, NodeStatu
 from ross_protocols.dronecan.node_messages import Call, Decoder, Encoder, Reply
 from ross_protocols.dronecan.services import NodeInfo, NodeInfoRequest, TransportStats, TransportStatsRequest
 
-BEAT = 1.0  # [s] between two NodeStatus
+NODE_STATUS_PERIOD_S = 1.0  # [s] between two NodeStatus
 ALLOCATOR_TIMEOUT_S = 5.0  # to get an id from an allocator
-QUIET = 5.0  # [s] without a frame of another node with our id, or without a failure of the bus, until all is well
+QUIET_AFTER_S = (
+    5.0  # [s] without a frame of another node with our id, or without a failure of the bus, until all is well
+)
 MOST_ANSWERS = 5  # in one poll: who asks more often asks again
-EARLY = 1e-6  # so much before its time something is due [s]
+ROUNDING_S = 1e-6  # so much before its time something is due [s]
 log = logging.getLogger(__name__)
 
 
@@ -146,8 +148,8 @@ class Node:
                 self._out([ask.asked(self._allocatee.discriminator, self._asked)])
             if self._now - self._asking_since > ALLOCATOR_TIMEOUT_S:
                 self._note("id", "no node id yet: no allocator on the bus answers")
-        if now >= self._next_beat - EARLY:
-            self._next_beat = now + BEAT
+        if now >= self._next_beat - ROUNDING_S:
+            self._next_beat = now + NODE_STATUS_PERIOD_S
             self.send(self._status())
 
     def close(self) -> None:
@@ -165,7 +167,7 @@ class Node:
             self._fail(error)
             return []
         self._counts["frames_received"] += len(frames)
-        if frames or self._now > self._failed + QUIET:  # a bus without anybody takes frames for a while
+        if frames or self._now > self._failed + QUIET_AFTER_S:  # a bus without anybody takes frames for a while
             self._note("bus", "")
         return frames
 
@@ -228,7 +230,7 @@ class Node:
             self._ask_for_id(0, self._now)
             return
         self._note("id", f"another node on the bus has our node id {self._id}: not transmitting until it leaves")
-        self._clash_until = self._now + QUIET
+        self._clash_until = self._now + QUIET_AFTER_S
 
     # ------------------------------------------------------------------------------------- out
 

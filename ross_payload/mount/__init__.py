@@ -23,12 +23,12 @@ from ross_protocols.mavlink.vehicle import VehicleAttitude
 
 WANTED = 25.0  # [Hz] of ATTITUDE
 ENOUGH = 18.0  # [Hz]: what flows at this rate is not asked for again
-OLDEST = 1.0  # [s] that a report may have been on its way
+MAX_DELAY_S = 1.0  # [s] that a report may have been on its way
 ATTITUDE, POSITION = 30, 33  # message ids
 POSITION_WANTED = 2.0  # [Hz] of GLOBAL_POSITION_INT, where it tells the height
-HEIGHT_FRESH = 3.0  # [s]: an older height is not known
+HEIGHT_TIMEOUT_S = 3.0  # [s]: an older height is not known
 MOUTH = 1.6  # of somebody who stands, above the ground [m]
-AHEAD = 0.1  # [s] beyond the newest report that its rate is trusted
+EXTRAPOLATION_S = 0.1  # [s] beyond the newest report that its rate is trusted
 MOST = 5000  # reports kept at least, of the newest: 100 s at 50 Hz
 
 
@@ -74,7 +74,7 @@ class AttitudeHistory:
         last, age = reports[after - 1], time - times[after - 1]
         if after < count and times[after] - times[after - 1] <= self._fresh:
             return _between(last, reports[after], age / (times[after] - times[after - 1]), age)
-        yaw = wrap(last.yaw + last.yaw_rate * min(age, AHEAD))
+        yaw = wrap(last.yaw + last.yaw_rate * min(age, EXTRAPOLATION_S))
         return Attitude(yaw, last.pitch, last.roll, sigma=abs(last.yaw_rate) * age, age=age)
 
 
@@ -126,7 +126,7 @@ class AutopilotMount:
 
     def attitude(self, time: float) -> Attitude:
         """Return the attitude at ``time`` [s]; not known, and the frame of the mount, when no report is fresh."""
-        stale = self._asked_height and abs(time - self._risen) > HEIGHT_FRESH
+        stale = self._asked_height and abs(time - self._risen) > HEIGHT_TIMEOUT_S
         return replace(self._history.at(time), height=None if stale else self._height)
 
     def on_packet(self, received: Received) -> None:
@@ -149,13 +149,13 @@ class AutopilotMount:
         now = self._clock.now()
         if self._count < ENOUGH * (now - self._looked):
             self._component.send(vehicle.message_interval(self._autopilot.system_id, ATTITUDE, WANTED), link)
-        if self._asked_height and now - self._risen > 1 / POSITION_WANTED + OLDEST:
+        if self._asked_height and now - self._risen > 1 / POSITION_WANTED + MAX_DELAY_S:
             self._component.send(vehicle.message_interval(self._autopilot.system_id, POSITION, POSITION_WANTED), link)
         self._looked, self._count = now, 0
 
     def _time(self, report: VehicleAttitude) -> float:
         now, told = self._clock.now(), self._timebase.local(report.boot)
-        return told if told is not None and now - OLDEST <= told <= now else now
+        return told if told is not None and now - MAX_DELAY_S <= told <= now else now
 
 
 def _between(one: VehicleAttitude, other: VehicleAttitude, share: float, age: float) -> Attitude:

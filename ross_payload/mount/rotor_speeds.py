@@ -11,7 +11,7 @@ from ross_payload.trusted_autopilot import TrustedAutopilot
 from ross_protocols.mavlink import rotor_speeds, vehicle
 
 WANTED = 10.0  # [Hz] of every message
-FRESH = 1.0  # [s]: an older speed is not known
+SPEED_TIMEOUT_S = 1.0  # [s]: an older speed is not known
 KEPT = 2000  # reports: more than a minute of three messages at 10 Hz
 ASKED = (*rotor_speeds.TELEMETRY, rotor_speeds.STATUS, rotor_speeds.SENSORS)
 
@@ -46,7 +46,7 @@ class RotorSpeeds:
         after = bisect_right(times, time, 0, count)
         if after < count and (after == 0 or times[after] - time < time - times[after - 1]):
             after += 1  # the nearest
-        if after == 0 or abs(time - times[after - 1]) > FRESH:
+        if after == 0 or abs(time - times[after - 1]) > SPEED_TIMEOUT_S:
             return ()
         return rotor_speeds.merged(reports[after - 1])
 
@@ -60,17 +60,19 @@ class RotorSpeeds:
             self._ask(received.link, now)
             return
         told = rotor_speeds.speeds_of(packet.message)
-        if told is None or (packet.name == "RPM" and now - self._controllers < FRESH):
+        if told is None or (packet.name == "RPM" and now - self._controllers < SPEED_TIMEOUT_S):
             return
         if packet.name != "RPM":
             self._controllers = now
         self._latest |= {number: (now, speed) for number, speed in told.items()}
-        self._note(now, {number: speed for number, (when, speed) in self._latest.items() if now - when < FRESH})
+        self._note(
+            now, {number: speed for number, (when, speed) in self._latest.items() if now - when < SPEED_TIMEOUT_S}
+        )
 
     def _ask(self, link: str, now: float) -> None:
         """Ask for all that an autopilot may know while nothing comes; what it does not know it refuses."""
         times, _ = self._kept
-        if times and now - times[-1] < FRESH:
+        if times and now - times[-1] < SPEED_TIMEOUT_S:
             return
         for message_id in ASKED:
             self._component.send(vehicle.message_interval(self._autopilot.system_id, message_id, WANTED), link)

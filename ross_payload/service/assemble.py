@@ -19,7 +19,7 @@ from ross_payload.mission.settings import Planner, Settings, Tools
 from ross_payload.plugin_checks import CheckedExplorer, checked_explorer, load_separator
 from ross_payload.voiceprint.model_folder import ModelFolder
 
-EXPLORER_FRAME = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
+EXPLORER_FRAME_S = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
 PLANNERS: dict[str, Planner] = {"best": plan, "paper": paper_plan}
 
 
@@ -106,7 +106,7 @@ def explorer_of(config: Config) -> CheckedExplorer:
 def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
     """Load the plug-ins that a configuration names."""
     audio, explorer = config.audio, explorer_of(config)
-    frame = config.explore.frame or 2 ** round(math.log2(EXPLORER_FRAME * audio.rate_hz))
+    frame = config.explore.frame or 2 ** round(math.log2(EXPLORER_FRAME_S * audio.rate_hz))
     return Tools(
         explorer=explorer,
         explorer_stft=Stft(audio.rate_hz, frame, round(frame * (1 - config.explore.overlap))),

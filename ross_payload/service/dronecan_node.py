@@ -28,7 +28,7 @@ from ross_protocols.mavlink.values import Severity
 
 NAME = "org.ross.payload"
 FILE = "dronecan.json"  # in the state folder
-POLL = 0.010  # [s] of the pump
+POLL_PERIOD_S = 0.010  # [s] of the pump
 
 
 @contextmanager
@@ -55,7 +55,7 @@ def node_on_bus(
         stack.callback(node.close)
         if isinstance(port, SharedBusPort):
             port.bus.node = node
-        stack.callback(clock.every(POLL, lambda: node.poll(clock.now())))
+        stack.callback(clock.every(POLL_PERIOD_S, lambda: node.poll(clock.now())))
         yield Aboard(config, clock, node, kept)
 
 
@@ -132,7 +132,7 @@ class Aboard:
             if allocator is not None:
                 allocator.poll(now)
 
-        cancel = self._clock.every(POLL, poll)
+        cancel = self._clock.every(POLL_PERIOD_S, poll)
         try:
             yield report
         finally:

@@ -20,7 +20,7 @@ from ross_payload.bounded_files import parsed_json
 NAME = "health"  # of the socket in the state folder
 POLL_S = 0.1
 CLIENTS = 8  # answered in one poll; the others wait for the next
-PATIENCE_S = 5.0  # for an answer: computing holds up the pump for a small part of it
+ANSWER_TIMEOUT_S = 5.0  # for an answer: computing holds up the pump for a small part of it
 LONGEST = 65536  # answer [bytes]
 ADDRESS_BYTES = 107  # of a socket, unix(7)
 
@@ -80,7 +80,7 @@ class HealthSocket:
                 (self._folder / NAME).unlink(missing_ok=True)
 
 
-def asked(folder: Path, patience: float = PATIENCE_S) -> dict[str, Any]:
+def asked(folder: Path, patience: float = ANSWER_TIMEOUT_S) -> dict[str, Any]:
     """Return what the payload of a state folder tells.
 
     Raises

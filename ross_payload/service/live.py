@@ -28,7 +28,7 @@ from ross_payload.mavlink import Router
 from ross_payload.mount import mount_of
 from ross_payload.notify import MISSION, Manager, Watchdog, hearing_signals, on_signal
 from ross_payload.orders import Shutdown, Stop
-from ross_payload.service.payload import POLL, Parts, assembled
+from ross_payload.service.payload import POLL_PERIOD_S, Parts, assembled
 from ross_payload.service.runner import Runner
 from ross_payload.service.state_folder import owned, recording_path, state_folder
 from ross_payload.service.stop_latch import StopLatch
@@ -44,7 +44,7 @@ from ross_payload.voiceprint.store import Damaged
 COMPUTE_LIMIT = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
 SERVER_START_TIMEOUT_S = 10.0  # a simulated world or a CAN server may be started after the payload
 AGAIN = 75  # exit code: start me again; EX_TEMPFAIL of sysexits.h
-SWITCH = 0.001  # [s] after which a thread that computes lets the pump have its turn
+SWITCH_INTERVAL_S = 0.001  # [s] after which a thread that computes lets the pump have its turn
 
 log = logging.getLogger(__name__)
 
@@ -61,7 +61,7 @@ def live(config: Config) -> int:
         stack.enter_context(logging_to(sys.stderr, config.service.log_level, config.service.log_format))
         stack.enter_context(owned(state_folder(config)))
         stack.enter_context(computing())
-        sys.setswitchinterval(SWITCH)
+        sys.setswitchinterval(SWITCH_INTERVAL_S)
         clock, manager = SystemClock(), Manager.of()
         watchdog = Watchdog(manager, clock, {MISSION: COMPUTE_LIMIT * config.audio.buffer_s})
         latch = StopLatch.of(state_folder(config))
@@ -70,7 +70,7 @@ def live(config: Config) -> int:
         parts = stack.enter_context(_parts(config, clock, latch, watchdog, again))
         pumping = Pumping(clock)
         runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, pumping)))
-        stack.callback(clock.every(POLL, lambda: pumping.poll(runner)))
+        stack.callback(clock.every(POLL_PERIOD_S, lambda: pumping.poll(runner)))
         cancel = watchdog.start()
         if cancel is not None:
             stack.callback(cancel)

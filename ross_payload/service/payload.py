@@ -49,9 +49,9 @@ from ross_payload.voiceprint import VoiceStore
 from ross_protocols.mavlink.computer import Computer
 from ross_protocols.mavlink.values import Severity
 
-POLL = 0.010  # [s] of the pump
-FOUND = 5.0  # [s] that an actuator may take to report for the first time; later it is a fault
-LOOK = 1.0  # [s] between two looks for what the log should tell
+POLL_PERIOD_S = 0.010  # [s] of the pump
+FIRST_REPORT_TIMEOUT_S = 5.0  # [s] that an actuator may take to report for the first time; later it is a fault
+LOG_PERIOD_S = 1.0  # [s] between two looks for what the log should tell
 FIRST: dict[str, type[Task] | None] = {"nothing": None, "explore": Explore, "seek": Seek}
 
 
@@ -113,17 +113,17 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
         stack.enter_context(attached(listening, source))
         stack.enter_context(described(listening, config))
         runner.observers = [monitor, telemetry, recorder, listening, keeper, *observers]
-        stack.callback(clock.every(LOOK, partial(keeper.poll, partial(telemetry.send_text, Severity.ERROR))))
+        stack.callback(clock.every(LOG_PERIOD_S, partial(keeper.poll, partial(telemetry.send_text, Severity.ERROR))))
         if parts.latch is not None:
             runner.observers.append(parts.latch)
         speakers = _speakers(parts, actuator, runner, recorder, telemetry=telemetry, aboard=aboard)
         runner.observers += map(stack.enter_context, speakers)
-        stack.callback(clock.every(POLL, parts.links.poll))
-        stack.callback(clock.every(LOOK, Changes(parts.links.status, monitor.health, recorder.status).poll))
+        stack.callback(clock.every(POLL_PERIOD_S, parts.links.poll))
+        stack.callback(clock.every(LOG_PERIOD_S, Changes(parts.links.status, monitor.health, recorder.status).poll))
         runner.observers += stack.enter_context(_asked(parts, monitor, recorder))
         runner.observers += stack.enter_context(_marked(parts, actuator))
         runner.poll()  # before the pump does: an actuator that has not reported yet is a fault at the first hop
-        stack.callback(clock.every(POLL, runner.poll))
+        stack.callback(clock.every(POLL_PERIOD_S, runner.poll))
         _wait_for_report(actuator, clock)
         if stopped:
             actuator.stop()
@@ -169,9 +169,9 @@ def _marked(parts: Parts, actuator: Guard) -> Iterator[list[Observer]]:
 
 def _wait_for_report(actuator: Guard, clock: Clock) -> None:
     """Give the actuator time to be found and to say where it is, so that a start is no fault."""
-    end = clock.now() + FOUND
+    end = clock.now() + FIRST_REPORT_TIMEOUT_S
     while not actuator.state().healthy and clock.now() < end:
-        clock.sleep(POLL)
+        clock.sleep(POLL_PERIOD_S)
 
 
 def maker(actuator: Guard, voiceprint: VoicePrint | None) -> Make:

@@ -20,10 +20,10 @@ from ross_payload.orders import Cancel, Order, Shutdown, Stop
 from ross_payload.pointing import BaseRate, Pointing
 from ross_payload.transport.async_task import drained
 
-EARLY = 1e-9  # [s], of rounding
-AHEAD = 0.1  # [s] beyond the newest report that its rate is trusted
+ROUNDING_S = 1e-9  # [s], of rounding
+EXTRAPOLATION_S = 0.1  # [s] beyond the newest report that its rate is trusted
 MOST = 20_000  # reports kept at least, of the newest: more than three minutes of the pump
-REST_TIMEOUT = 10.0  # [s] of audio that a decelerating motor may take at the end
+REST_TIMEOUT_S = 10.0  # [s] of audio that a decelerating motor may take at the end
 
 
 class Observer(Protocol):
@@ -76,7 +76,7 @@ class JointHistory:
         after = bisect_right(times, time, 0, count)
         if after == count:
             newest = reports[count - 1]
-            return newest.angle + newest.rate * min(time - times[count - 1], AHEAD)
+            return newest.angle + newest.rate * min(time - times[count - 1], EXTRAPOLATION_S)
         if after == 0:
             return reports[0].angle
         share = (time - times[after - 1]) / (times[after] - times[after - 1])
@@ -119,7 +119,7 @@ class Runner:
         self._latch = latch
         self._hop = config.hop
         self._offset = config.offset
-        self._rest_hops = math.ceil(REST_TIMEOUT * source.rate / config.hop)
+        self._rest_hops = math.ceil(REST_TIMEOUT_S * source.rate / config.hop)
         self._orders: SimpleQueue[Order] = SimpleQueue()
         self._history = JointHistory()
         self._base_rate = BaseRate()
@@ -175,7 +175,7 @@ class Runner:
         block = self._source.read(self._hop)
         end = block.time + self._hop / self._source.rate
         state = self._actuator.state()
-        still = goal is None and block.time >= self._asked - EARLY and state.settled
+        still = goal is None and block.time >= self._asked - ROUNDING_S and state.settled
         attitude, after = self._mount.attitude(block.time), self._mount.attitude(end)
         if after.known != attitude.known:  # one hop is in one frame
             after = attitude

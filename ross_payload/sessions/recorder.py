@@ -28,10 +28,10 @@ from ross_payload.sessions.session_store import GB, SessionStore
 from ross_payload.sessions.session_writer import SessionWriter
 from ross_payload.transport.async_task import drained
 
-BACKLOG = 30.0  # [s] of audio that wait for the disk: then it is too slow
-DRAIN = 0.2  # [s] between two looks at the queue
-TIDY = 5.0  # [s] of audio between two looks at what is left of the disk
-SLOW = f"the disk is too slow: {BACKLOG:.0f} s of audio wait for it"
+BACKLOG_S = 30.0  # [s] of audio that wait for the disk: then it is too slow
+DRAIN_PERIOD_S = 0.2  # [s] between two looks at the queue
+TIDY_PERIOD_S = 5.0  # [s] of audio between two looks at what is left of the disk
+SLOW = f"the disk is too slow: {BACKLOG_S:.0f} s of audio wait for it"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 Begin = Callable[[], Beginning | None]  # None while a task runs
@@ -121,7 +121,7 @@ class Recorder:
             return
         self._recording.inputs += 1
         self._put(self._recording, partial(_write_input, hop=hop))
-        if (self._recording.inputs - self._recording.written) * self._recording.hop > BACKLOG:
+        if (self._recording.inputs - self._recording.written) * self._recording.hop > BACKLOG_S:
             self._status = replace(self._status, state=RecordingState.BROKEN, reason=SLOW)
             self._put(self._recording, partial(self._fail, state=RecordingState.BROKEN, reason=SLOW))
             self._recording, self._wanted = None, False
@@ -214,7 +214,7 @@ class Recorder:
         except (OSError, RossError):
             self._store.discard(folder)
             raise
-        recording.tidied = -TIDY
+        recording.tidied = -TIDY_PERIOD_S
 
     def _look_after(self, recording: OngoingRecording) -> None:
         writer = recording.writer
@@ -222,7 +222,7 @@ class Recorder:
             return
         if writer.over:  # what is wanted stays, so that another session begins between tasks
             self._end(recording, "the audio file is full")
-        elif writer.seconds - recording.tidied >= TIDY:
+        elif writer.seconds - recording.tidied >= TIDY_PERIOD_S:
             recording.tidied = writer.seconds
             why = self._store.tidy(self._limits, writer.folder, self._stamp())
             self._status = replace(self._status, seconds=writer.seconds, free_gb=self._store.free() / GB)
@@ -289,7 +289,7 @@ def in_background(recorder: Recorder) -> Iterator[None]:
     done = threading.Event()
 
     def work() -> None:
-        while not done.wait(DRAIN):
+        while not done.wait(DRAIN_PERIOD_S):
             recorder.drain()
 
     thread = threading.Thread(target=work, name="recorder")

@@ -19,7 +19,7 @@ from ross_payload.sessions import event_json, input_log, manifest
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.transport.tlog import TlogRecorder
 
-FLUSH = 0.5  # [s] of audio that wait at most
+FLUSH_PERIOD_S = 0.5  # [s] of audio that wait at most
 AT_ONCE_S = 2.0  # of silence before a voice: hours of it would hold up everything else
 
 
@@ -64,7 +64,7 @@ class SessionWriter:
             self._first = hop.block.index
         self._waiting.append(hop)
         self._pending += hop.block.samples.shape[1]
-        if self._pending >= FLUSH * self._rate:
+        if self._pending >= FLUSH_PERIOD_S * self._rate:
             self.flush()
 
     def write_event(self, event: Event) -> None:

@@ -26,8 +26,8 @@ from ross_protocols.mavlink.signing import EPOCH, KEY_SIZE, LATEST, SECOND, WIND
 FILE = "signing-time"  # in the state folder
 STEP = 60 * SECOND  # by which the bound is raised
 RESERVE = 10 * SECOND  # below the bound, for us alone while the disk takes nothing
-HUNG = 2.0  # that the disk may take until it is said [s]
-RETRY = 1.0  # after the disk has refused [s]
+SAVE_TIMEOUT_S = 2.0  # that the disk may take until it is said [s]
+SAVE_RETRY_S = 1.0  # after the disk has refused [s]
 LONGEST = 64  # file [bytes]
 MAX_KEY_FILE_BYTES = 1024  # that are read to see whether it is a key
 DAY = 86_400.0  # [s]; a signing time that is farther ahead of the computer's clock is somebody's mistake
@@ -118,14 +118,14 @@ class SigningTime:
     def _look(self, saving: Future[int], now: float) -> None:
         """See what has become of the latest attempt to raise the bound."""
         if not saving.done():
-            if now - self._saving_since > HUNG:
+            if now - self._saving_since > SAVE_TIMEOUT_S:
                 self.trouble = f"{self._path}: the disk does not respond"
             return
         self._saving, error = None, saving.exception()
         if error is None:
             self._bound, self.trouble = saving.result(), ""
         else:
-            self._next = now + RETRY
+            self._next = now + SAVE_RETRY_S
             self.trouble = f"{self._path}: {getattr(error, 'strerror', None) or error}"
 
     def behind(self, timestamp: int, now: float) -> bool:

@@ -131,7 +131,7 @@ def test_a_folder_that_may_not_be_read_is_said_and_ends_nothing(closed):
 
 
 def test_a_disk_that_stalls_for_too_long_ends_the_recording(tmp_path, monkeypatch):
-    monkeypatch.setattr(recorder_module, "BACKLOG", 1.0)
+    monkeypatch.setattr(recorder_module, "BACKLOG_S", 1.0)
     with recording(tmp_path) as recorder:
         for index in range(150):  # nobody drains
             recorder.on_input(input_of(index))

@@ -151,7 +151,7 @@ def test_clients_that_say_nothing_hold_up_nobody():
 
 
 def test_a_client_that_says_a_byte_now_and_then_is_hung_up_on(monkeypatch):
-    monkeypatch.setattr(sdp_server, "PATIENCE_S", 0.5)
+    monkeypatch.setattr(sdp_server, "REQUEST_TIMEOUT_S", 0.5)
     with (
         SdpServer(lambda: {0: "v=0"}, 0) as server,
         socket.create_connection(("127.0.0.1", server.port)) as slow,

@@ -18,7 +18,7 @@ from ross_payload.transport.link_url import LOOPBACK, MAX_PORT, tcp_endpoint
 from ross_payload.transport.rtp.session_description import L16, LONGEST, OPUS, Media, Session, parsed
 
 EXPECTED = "expected rtp://ADDRESS:PORT, a file or an http address that ends in .sdp, or tcp://HOST:PORT"
-PATIENCE_S = 5.0  # for a session description over HTTP
+SDP_TIMEOUT_S = 5.0  # for a session description over HTTP
 RATES = range(4000, 192_001)
 DEFAULT_RATE = 16_000
 
@@ -125,7 +125,7 @@ def _of_many(host: str) -> bool:
 def _fetched(url: str) -> str:
     try:
         direct = urllib.request.build_opener(urllib.request.ProxyHandler({}))  # a payload is on the same network
-        with direct.open(url, timeout=PATIENCE_S) as answer:
+        with direct.open(url, timeout=SDP_TIMEOUT_S) as answer:
             return str(answer.read(LONGEST).decode("utf-8", "replace"))
     except urllib.error.HTTPError as error:
         raise ConfigError(f"{url}: no session description there: {error.code} {error.reason}") from error

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import Field
 
-from ross_payload.audio.reconnecting_feed import LEAVE, Worker, in_thread
+from ross_payload.audio.reconnecting_feed import CLOSE_TIMEOUT_S, Worker, in_thread
 from ross_payload.audio.shared_portaudio import OpenStream, shared
 from ross_payload.audio.sinks import BuiltInSink, SinkInfo, SinkServices
 from ross_payload.audio.sound_devices import device_named, portaudio
@@ -159,7 +159,7 @@ class DeviceSink:
     def __exit__(self, *exception: object) -> None:
         """Stop playing."""
         if self._worker is not None:
-            self._worker.join(LEAVE)
+            self._worker.join(CLOSE_TIMEOUT_S)
         self._close()
 
     def _alive(self) -> bool:

@@ -31,7 +31,7 @@ from ross_payload.audio.sinks.listener_watch import ListenerWatch
 from ross_payload.interfaces import Samples, VoiceBlock
 from ross_payload.transport.rtp.session_description import OPUS, Media
 
-REPORT_PERIOD = 1.0  # of sender's reports [s]
+REPORT_PERIOD_S = 1.0  # of sender's reports [s]
 KEPT_S = 1.0  # of packets, to be sent once more [s]
 ONCE_MORE = 0.25  # share of packets that are sent once more, at most
 EXPECTED_LOSS = 10  # for which Opus repeats itself [%]
@@ -183,7 +183,7 @@ class RtpSender:
 
         It tells which timestamp was heard at the microphone at what time of day.
         """
-        if not self._packets or now < self._report_at + REPORT_PERIOD:
+        if not self._packets or now < self._report_at + REPORT_PERIOD_S:
             return None
         self._report_at = now
         timestamp, heard = self._time

@@ -19,7 +19,7 @@ from ross_payload.errors import AudioError, refused_as
 from ross_payload.transport.link_url import LOOPBACK
 from ross_protocols.mavlink.stream_values import description_file
 
-PATIENCE_S = 2.0  # for a client's request
+REQUEST_TIMEOUT_S = 2.0  # for a client's request
 MOST_CLIENTS = 8  # at a time; others are turned away
 log = logging.getLogger(__name__)
 Texts = Callable[[], Mapping[int, str]]  # session descriptions by the number of their stream
@@ -57,7 +57,7 @@ class SdpFiles(Mapping[str, bytes]):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    timeout = PATIENCE_S
+    timeout = REQUEST_TIMEOUT_S
     server_version, sys_version = "ross", ""
 
     def do_GET(self) -> None:  # as the library calls it
@@ -97,7 +97,7 @@ class _Server(ThreadingHTTPServer):
             self.shutdown_request(request)
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
-        patience = threading.Timer(PATIENCE_S, _hang_up, (request,))  # for all of it: a byte a second is none
+        patience = threading.Timer(REQUEST_TIMEOUT_S, _hang_up, (request,))  # for all of it: a byte a second is none
         patience.daemon = True
         patience.start()
         try:

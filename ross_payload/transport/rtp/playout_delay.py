@@ -14,11 +14,11 @@ import numpy as np
 KEPT = 400  # arrivals that are looked at: 8 s of packets of 20 ms
 FEWEST = 10  # before anything is concluded
 TOO_LATE = 0.005  # share of packets that may come too late, adaptive
-SAFETY = 0.005  # [s] by which the others come earlier than needed
-FIRST = 0.06  # delay before anything is known, adaptive [s]
-MOST = 0.5  # [s]
+SAFETY_MARGIN_S = 0.005  # [s] by which the others come earlier than needed
+INITIAL_DELAY_S = 0.06  # delay before anything is known, adaptive [s]
+MAX_DELAY_S = 0.5  # [s]
 EARLY, LATE = 0.003, 0.008  # errors that are left, adaptive: playing too early, playing too late [s]
-OFF = 0.01  # either way, from a fixed delay: the median of few arrivals moves, too [s]
+TOLERANCE_S = 0.01  # either way, from a fixed delay: the median of few arrivals moves, too [s]
 TAKEN = 25  # times that samples were taken which are looked at
 
 
@@ -39,7 +39,7 @@ class PlayoutDelay:
     @property
     def first(self) -> float:
         """How long the first packet waits [s]."""
-        return self._fixed or FIRST
+        return self._fixed or INITIAL_DELAY_S
 
     def arrived(self, lead: float) -> None:
         """Note the lead of a packet that came [s]."""
@@ -58,7 +58,7 @@ class PlayoutDelay:
         if len(self._arrivals) < FEWEST or len(self._taken) < FEWEST:
             return 0.0
         error = max(self._taken) - self._wanted()
-        early, late = (OFF, OFF) if self._fixed else (EARLY, LATE)
+        early, late = (TOLERANCE_S, TOLERANCE_S) if self._fixed else (EARLY, LATE)
         return error if error > early or error < -late else 0.0
 
     @property
@@ -73,4 +73,4 @@ class PlayoutDelay:
         middle = float(np.median(arrivals))
         if self._fixed:
             return middle - self._fixed
-        return max(float(np.quantile(arrivals, TOO_LATE)) - SAFETY, middle - MOST)
+        return max(float(np.quantile(arrivals, TOO_LATE)) - SAFETY_MARGIN_S, middle - MAX_DELAY_S)

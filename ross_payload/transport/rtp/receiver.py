@@ -22,9 +22,11 @@ from ross_payload.transport.rtp.reception_reports import ReceptionReports
 from ross_payload.transport.rtp.session_description import OPUS, Media
 from ross_payload.transport.rtp.waveforms import Concealer, lengthened, shortened
 
-QUIET = 1.0  # without packets, until another sender may take over, and what plays waits for a new beginning [s]
-FARTHEST = 2.0  # between what is played and what came, until the rest is skipped [s]
-BETWEEN = 0.06  # splices: at least [s]
+SOURCE_TIMEOUT_S = (
+    1.0  # without packets, until another sender may take over, and what plays waits for a new beginning [s]
+)
+MAX_LEAD_S = 2.0  # between what is played and what came, until the rest is skipped [s]
+SPLICE_INTERVAL_S = 0.06  # splices: at least [s]
 NTP_EPOCH = 2_208_988_800  # of 1970, in seconds since 1900
 BROKEN = (ValueError, IndexError, struct.error)  # what parsers of aiortc raise
 
@@ -159,7 +161,7 @@ class RtpReceiver:
         self._note_jitter(lead)
         self._heard_at = self._alive_at = now
         played = self._played
-        if played is not None and abs(queued.timestamp - played) > FARTHEST * self.media.clock:
+        if played is not None and abs(queued.timestamp - played) > MAX_LEAD_S * self.media.clock:
             self._store.skip()  # nobody read, or the sender's clock was set
             self._position = None
         elif self._position is None:
@@ -168,12 +170,12 @@ class RtpReceiver:
 
     def feedback(self, now: float) -> list[bytes]:
         """Return the datagrams that are to be sent to `sender` now; to be asked for every 10 ms or so."""
-        if self._source is None or now > self._heard_at + QUIET:
+        if self._source is None or now > self._heard_at + SOURCE_TIMEOUT_S:
             return []
         return self._reports.due(self._store, self._source[0], self._jitter, self.media.clock, now)
 
     def _is_source(self, source: tuple[int, Hashable], now: float) -> bool:
-        if source != self._source and (self._source is None or self._ended or now > self._heard_at + QUIET):
+        if source != self._source and (self._source is None or self._ended or now > self._heard_at + SOURCE_TIMEOUT_S):
             if self._source is not None:
                 self._store.skip()
                 self._begin()
@@ -190,7 +192,7 @@ class RtpReceiver:
     def _note_jitter(self, lead: float) -> None:
         change = abs(lead - self._transit) if self._transit else 0.0
         self._transit = lead
-        self._jitter += (min(change, QUIET) - self._jitter) / 16
+        self._jitter += (min(change, SOURCE_TIMEOUT_S) - self._jitter) / 16
 
     def _take_reports(self, reports: Sequence[object], now: float, sender: Hashable) -> None:
         for report in reports:
@@ -260,7 +262,7 @@ class RtpReceiver:
     def _starve(self) -> Samples:
         """Return what stands for packets that may still come; after a while wait for a new beginning."""
         self._starved += self._ticks
-        if self._starved > QUIET * self.media.clock:
+        if self._starved > SOURCE_TIMEOUT_S * self.media.clock:
             self._position = None
             return np.zeros(self._ticks // self._ratio, np.float32)
         missing = self._delay.correction() * self.media.clock
@@ -284,7 +286,7 @@ class RtpReceiver:
         """Leave out a period, or put one in, when the delay is to change."""
         self._since_splice += len(samples)
         wanted = round(self._delay.correction() * self.rate)
-        if not wanted or self._since_splice < BETWEEN * self.rate:
+        if not wanted or self._since_splice < SPLICE_INTERVAL_S * self.rate:
             return samples
         fitted = lengthened(samples, wanted) if wanted > 0 else shortened(samples, -wanted)
         self._since_splice = 0
@@ -309,7 +311,7 @@ class RtpReceiver:
             delay_s=self._delay.delay,
             jitter_s=self._jitter,
             silent_s=max(now - self._alive_at, 0.0) if self._source is not None else 0.0,
-            playing=self._position is not None and now < self._heard_at + QUIET,
+            playing=self._position is not None and now < self._heard_at + SOURCE_TIMEOUT_S,
             ended=self._ended,
         )
 

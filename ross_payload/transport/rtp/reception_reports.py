@@ -22,11 +22,11 @@ from aiortc.rtp import (
 
 from ross_payload.transport.rtp.packet_store import PacketStore
 
-PERIOD = 1.0  # of reports [s]
-AGAIN = 0.04  # until a packet is asked for again [s]
+REPORT_PERIOD_S = 1.0  # of reports [s]
+NACK_INTERVAL_S = 0.04  # until a packet is asked for again [s]
 REQUESTS = 3  # for one packet
 AT_ONCE = 64  # packets in one request
-PATIENCE = 1.25  # times the jitter, after which a missing packet is asked for: it may only be late
+NACK_JITTER_FACTOR = 1.25  # times the jitter, after which a missing packet is asked for: it may only be late
 SOONEST, LATEST = 0.01, 0.1  # but not sooner, and no later [s]
 CNAME = 1  # item of a source description
 MOST_LOST = 0x7FFFFF
@@ -59,7 +59,7 @@ class ReceptionReports:
         wanted = self._wanted(store, jitter, now)
         if not wanted and now < self._due:
             return []
-        self._due = now + PERIOD if now >= self._due else self._due
+        self._due = now + REPORT_PERIOD_S if now >= self._due else self._due
         parts = [bytes(RtcpRrPacket(self._ssrc, [self._block(store, source, round(jitter * clock), now)]))]
         parts.append(bytes(RtcpSdesPacket([RtcpSourceInfo(self._ssrc, [(CNAME, self._name)])])))
         if wanted:
@@ -71,11 +71,11 @@ class ReceptionReports:
 
     def _wanted(self, store: PacketStore, jitter: float, now: float) -> list[int]:
         missing = store.missing()
-        patience = min(max(PATIENCE * jitter, SOONEST), LATEST)
+        patience = min(max(NACK_JITTER_FACTOR * jitter, SOONEST), LATEST)
         self._missed = {each: self._missed.get(each) or _Missed(now + patience) for each in missing}
         wanted = [each for each, state in self._missed.items() if state.requests < REQUESTS and now >= state.due]
         for each in wanted[:AT_ONCE]:
-            self._missed[each] = _Missed(now + AGAIN, self._missed[each].requests + 1)
+            self._missed[each] = _Missed(now + NACK_INTERVAL_S, self._missed[each].requests + 1)
         return wanted[:AT_ONCE]
 
     def _block(self, store: PacketStore, source: int, jitter: int, now: float) -> RtcpReceiverInfo:

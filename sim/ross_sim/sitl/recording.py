@@ -15,7 +15,7 @@ from ross_payload.health import RecordingState
 from ross_payload.interfaces import Clock, Input
 from ross_payload.mavlink import Router
 from ross_payload.sessions.manifest import Beginning
-from ross_payload.sessions.recorder import DRAIN, Recorder
+from ross_payload.sessions.recorder import DRAIN_PERIOD_S, Recorder
 from ross_payload.sessions.session_store import SessionStore
 from ross_sim.sitl.report import EventLog
 
@@ -73,7 +73,7 @@ def drained(clock: Clock) -> Callable[[Recorder], AbstractContextManager[None]]:
 
     @contextmanager
     def draining(recorder: Recorder) -> Iterator[None]:
-        cancel = clock.every(DRAIN, recorder.drain)
+        cancel = clock.every(DRAIN_PERIOD_S, recorder.drain)
         yield
         cancel()
 

@@ -29,7 +29,7 @@ from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
 from ross_payload.notify import hearing_signals, on_signal
 from ross_payload.orders import Shutdown
-from ross_payload.service.live import SWITCH
+from ross_payload.service.live import SWITCH_INTERVAL_S
 from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Observer, Runner
 from ross_payload.sessions.recorder import in_background
@@ -90,7 +90,7 @@ def serve(
         if isinstance(clock, RealTimeClock):
             observers.append(hearing := MissionProgress(clock))
             stack.callback(sys.setswitchinterval, sys.getswitchinterval())
-            sys.setswitchinterval(SWITCH)
+            sys.setswitchinterval(SWITCH_INTERVAL_S)
             stack.enter_context(clock)
         else:
             observers.append(Pace(asked))

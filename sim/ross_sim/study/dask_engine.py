@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 AHEAD = 3  # groups that are submitted, per thread of the cluster
 TOGETHER = 8  # tasks of one room in a group, at most: what is lost with a worker
 TRIES = 3  # of a task, before it counts as failed
-PATIENCE = "10s"  # for a scheduler to answer
+CONNECT_TIMEOUT = "10s"  # for a scheduler to answer
 LOOK = 5.0  # without a result, until the client looks which workers are there [s]
 ALONE = 60.0  # that refused workers may be the only ones, while another one restarts [s]
 LOOPBACK = "127.0.0.1"
@@ -286,7 +286,7 @@ def _remote(address: str) -> Client:
     from distributed import Client
 
     try:
-        return Client(address, timeout=PATIENCE)
+        return Client(address, timeout=CONNECT_TIMEOUT)
     except (OSError, ValueError, TypeError, RuntimeError) as error:  # TypeError: TLS without a certificate
         raise ConfigError(f"--engine: expected a Dask scheduler at {address}, got no answer: {error}") from error
 

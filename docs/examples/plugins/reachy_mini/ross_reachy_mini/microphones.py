@@ -13,7 +13,7 @@ import urllib.request
 from contextlib import suppress
 from dataclasses import replace
 
-from ross_payload.audio.sound_card import SETTLING, SoundCard
+from ross_payload.audio.sound_card import SETTLING_S, SoundCard
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.transport.link_url import tcp_endpoint
 
@@ -122,4 +122,4 @@ def audio_source(address, services):
         )
     wiring = replace(services.wiring, channels=(0, 1), device_channels=2)  # of the card
     opener = Microphones(Daemon(host, port), SoundCard(CARD, services.audio, wiring), pair)
-    return replace(services, wiring=wiring).live(opener, settling=SETTLING)
+    return replace(services, wiring=wiring).live(opener, settling=SETTLING_S)
