@@ -243,3 +243,49 @@ def test_a_wire_that_fails_while_it_is_closed_does_not_play_the_turn_to_its_end(
     rig.actuator.__exit__(None, None, None)
     rig.clock.sleep(5.0)
     assert rig.far_end.angle() - here < math.radians(60)
+
+
+def test_a_segment_that_the_wire_refuses_is_a_fault_that_loses_the_position() -> None:
+    rig = rig_of("tb6600").open()
+    rig.actuator.command(math.radians(90))
+    rig.clock.sleep(0.8)
+    send, refused = rig.wire.send, []
+
+    def refuses_one(segment: Any) -> None:
+        if not refused:
+            refused.append(segment)
+            raise LinkError("/dev/gpiochip0: no memory")
+        send(segment)
+
+    rig.wire.send = refuses_one  # type: ignore[method-assign]
+    rig.clock.sleep(3.0)
+    assert rig.state.fault == "/dev/gpiochip0: no memory"
+    assert not rig.state.homed
+    with pytest.raises(ActuatorFault, match="the position is lost"):
+        rig.actuator.rearm()
+    rig.home()
+    rig.actuator.rearm()
+    here = rig.far_end.angle()
+    rig.actuator.command(math.radians(9))
+    rig.settle(within=5.0)
+    assert rig.far_end.angle() - here == pytest.approx(math.radians(9), abs=rig.tolerance)
+
+
+def test_a_wire_that_refuses_the_last_pulses_is_closed_all_the_same() -> None:
+    rig = rig_of("tb6600").open()
+    rig.actuator.command(3.0)
+    rig.clock.sleep(0.8)
+    rig.held_up = True
+    close, closed = rig.wire.close, []
+
+    def fails(segment: Any) -> None:
+        raise LinkError("/dev/gpiochip0: no memory")
+
+    def notes() -> None:
+        closed.append(True)
+        close()
+
+    rig.wire.send, rig.wire.close = fails, notes  # type: ignore[method-assign]
+    with pytest.raises(LinkError):
+        rig.actuator.__exit__(None, None, None)
+    assert closed

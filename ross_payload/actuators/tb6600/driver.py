@@ -17,7 +17,7 @@ from ross_payload.actuators.tb6600.homing import SwitchSearch
 from ross_payload.actuators.tb6600.options import Options
 from ross_payload.actuators.tb6600.pulse_segments import Level, PulseLine
 from ross_payload.actuators.tb6600.segment_queue import SegmentQueue
-from ross_payload.errors import ActuatorFault
+from ross_payload.errors import ActuatorFault, LinkError
 from ross_payload.interfaces import ActuatorState, Clock, Feedback, Port
 
 
@@ -99,6 +99,11 @@ class Tb6600(Driver):
             time=min(self._queue.known(now), self._heard_at),
             fault=self._fault,
         )
+
+    def link_lost(self, error: LinkError) -> bool:
+        """Latch it: nobody knows which of the edges handed over are played."""
+        self._lose(f"{error}: the position is lost")
+        return False
 
     def leave(self, clock: Clock) -> tuple[()]:
         """Plan the deceleration; the torque stays, so that nothing falls."""

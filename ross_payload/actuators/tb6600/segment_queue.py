@@ -87,12 +87,16 @@ class SegmentQueue:
         self._outstanding.clear()
 
     def close(self) -> None:
-        """Hand over the whole train and give the port back."""
-        if self._port is not None:
+        """Hand over the whole train and give the port back, also when it does not take the train."""
+        port = self._port
+        if port is None:
+            return
+        try:
             self.flush()
+        finally:
             self._outstanding.clear()
-            self._port.close()
             self._port = None
+            port.close()
 
     def receive(self) -> list[Level | RanOut]:
         """Take in what has been played; return the other reports that have arrived."""
@@ -154,12 +158,12 @@ class SegmentQueue:
         n_edges = len(rest.edges) if last else int(np.searchsorted(rest.edges["time"], end))
         n_steps = len(rest.steps) if last else int(np.searchsorted(rest.steps, end))
         edges, steps, signs = rest.edges[:n_edges], rest.steps[:n_steps], rest.signs[:n_steps]
-        self._line_state = after(self._line_state, edges, steps, signs, self._timing)
-        if n_steps:
-            self._recent.append(_Steps(float(steps[0]), float(steps[-1]), int(signs.sum()), steps, signs))
         relative = edges.copy()
         relative["time"] -= start
         self._send(relative, end - start)
+        self._line_state = after(self._line_state, edges, steps, signs, self._timing)
+        if n_steps:
+            self._recent.append(_Steps(float(steps[0]), float(steps[-1]), int(signs.sum()), steps, signs))
         end = self.committed if last else rest.end
         self._rest = EdgeTrain(rest.edges[n_edges:], rest.steps[n_steps:], rest.signs[n_steps:], end)
 
