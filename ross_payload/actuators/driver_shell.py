@@ -10,6 +10,7 @@ import logging
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum
 from queue import SimpleQueue
@@ -101,6 +102,12 @@ class Driver(ABC):
     @abstractmethod
     def close(self) -> None:
         """Give the wire back."""
+
+
+def wait(clock: Clock, duration: float) -> None:
+    """Wait [s] while a device comes to rest, also when a periodic call of somebody else has failed."""
+    with suppress(RuntimeError):
+        clock.sleep(duration)
 
 
 class DriverShell:
@@ -200,7 +207,7 @@ class DriverShell:
         try:
             for n, _ in enumerate(self._driver.leave(clock)):
                 if n:
-                    clock.sleep(CLOSING_PERIOD_S)
+                    wait(clock, CLOSING_PERIOD_S)
                 self.poll(clock.now())
         except LinkError as lost:
             log.warning("%s", lost)

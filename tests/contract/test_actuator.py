@@ -336,6 +336,25 @@ def test_closing_in_the_middle_of_a_move_decelerates(rig: Rig) -> None:
     assert rig.far_end.complaints() == []
 
 
+def test_closing_decelerates_also_when_a_periodic_call_of_somebody_else_has_failed(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(1.0)
+    speed, here, sleep = rig.state.rate, rig.far_end.angle(), rig.clock.sleep
+
+    def sleep_and_raise(duration: float) -> None:
+        sleep(duration)
+        raise RuntimeError("a periodic call failed")
+
+    monkeypatch.setattr(rig.clock, "sleep", sleep_and_raise)
+    rig.actuator.__exit__(None, None, None)
+    monkeypatch.undo()
+    rig.clock.sleep(3.0)
+    assert speed**2 / (2 * ACCELERATION) * 0.9 < rig.far_end.angle() - here < rig.upper - here - 0.5
+    assert rig.far_end.complaints() == []
+
+
 @pytest.mark.on_device
 def test_it_can_be_opened_again_and_still_knows_where_it_is(rig: Rig) -> None:
     rig.actuator.command(0.7)

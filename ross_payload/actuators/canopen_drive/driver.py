@@ -20,7 +20,7 @@ from ross_payload.actuators.canopen_drive.drive_client import DriveClient
 from ross_payload.actuators.canopen_drive.drive_setup import DriveSetup
 from ross_payload.actuators.canopen_drive.options import Options
 from ross_payload.actuators.canopen_drive.position_filter import PositionFilter
-from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Driver, DriverBackend, Move, Request
+from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Driver, DriverBackend, Move, Request, wait
 from ross_payload.errors import ActuatorFault, LinkError
 from ross_payload.interfaces import ActuatorState, Clock, Port
 from ross_protocols.canopen import cia402
@@ -131,7 +131,7 @@ class CanopenDrive(Driver):
         client.stop_heartbeat_watch()
         until = clock.now() + LAST_ANSWER_TIMEOUT_S
         while client.awaits_answer and clock.now() < until:  # an answer that comes later would puzzle whoever asks next
-            clock.sleep(0.005)
+            wait(clock, 0.005)
             client.read(clock.now())
 
     def close(self) -> None:
