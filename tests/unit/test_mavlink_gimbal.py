@@ -65,6 +65,21 @@ def test_another_controller_is_a_fault_with_its_ids_until_home_takes_control_bac
     assert rig.far_end.angle() == pytest.approx(0.2, abs=math.radians(0.1))
 
 
+def test_whoever_points_another_gimbal_manages_not_ours():
+    rig = Bench("manager", autopilot=False)
+    rig.actuator.command(0.3)
+    for gimbal in (171, 154):
+        for _ in range(50):
+            say(rig, gimbal_messages.point_device((1, gimbal), 1.0))
+            rig.clock.sleep(0.02)
+        assert ("manages the gimbal too" in rig.state.fault) is (gimbal == 154)
+
+
+def say(rig, message):
+    """Let component 190 of system 1 say something, which the payload hears."""
+    rig.far_end.port.arrived.append(Encoder(1, 190).encode(message))
+
+
 def test_whoever_lost_control_sends_no_set_points():
     rig = Bench()
     rig.far_end.autopilot.take_control((255, 190))

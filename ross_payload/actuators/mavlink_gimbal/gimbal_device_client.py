@@ -18,7 +18,7 @@ from ross_payload.actuators.mavlink_gimbal.gimbal_manager_client import (
     component_name,
 )
 from ross_protocols.mavlink import gimbal_messages
-from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.component_id import ComponentId, target_of
 from ross_protocols.mavlink.gimbal_messages import GimbalTravel
 from ross_protocols.mavlink.vehicle import AUTOPILOT
 
@@ -37,7 +37,7 @@ class GimbalDeviceClient:
 
     device: ComponentId
     travel: GimbalTravel | None = None
-    rival: ComponentId | None = None  # who else points a gimbal here
+    rival: ComponentId | None = None  # who else points it
     identity: str = ""  # of the gimbal, as it tells
     heard_at: float = -math.inf  # when somebody else than the gimbal was heard, who could speak for it: never
     queries: QueryTimer = field(default_factory=QueryTimer)
@@ -45,7 +45,8 @@ class GimbalDeviceClient:
     def on_packet(self, received: ReceivedPacket, now: float) -> None:
         """Take in what the device says."""
         packet = received.packet
-        if packet.name == "GIMBAL_DEVICE_SET_ATTITUDE":
+        points = packet.name == "GIMBAL_DEVICE_SET_ATTITUDE"
+        if points and target_of(packet.message).includes(self.device):  # another gimbal here may have its own manager
             self.rival = packet.sender
         if packet.sender == self.device:
             if packet.name == INFORMATION:
