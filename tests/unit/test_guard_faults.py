@@ -169,6 +169,35 @@ def test_a_device_that_turns_again_after_a_stop_is_a_fault_and_is_told_to_stop()
     assert on.guard.state().healthy
 
 
+def test_what_a_hand_turns_after_a_stop_and_a_rearm_is_no_fault() -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.guard.stop()
+    on.clock.sleep(5.0)
+    on.guard.rearm()
+    on.device.now = replace(on.device.now, rate=0.5)
+    on.clock.sleep(1.0)
+    assert on.guard.state().healthy
+
+
+def test_what_is_given_back_while_it_brakes_and_does_not_come_to_rest_is_a_fault() -> None:
+    class Shared(Device):
+        def take_control(self) -> None: ...
+
+        def release_control(self) -> bool:
+            return True
+
+        def brake(self) -> None: ...
+
+    on = bench(Shared())
+    on.guard.command(1.0)
+    on.device.now = replace(on.device.now, rate=1.0)
+    on.guard.halt()
+    on.guard.release_control()
+    on.clock.sleep(15.0)
+    assert on.guard.state().fault.startswith("still turning after a stop")
+
+
 @pytest.mark.parametrize("lost", [{"homed": False}, {"healthy": False}])
 def test_nobody_parks_when_the_place_is_lost(lost: dict[str, bool]) -> None:
     on = bench(on_fault="park", max_move_s=0.5)

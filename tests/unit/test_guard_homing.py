@@ -206,7 +206,10 @@ def test_a_fault_after_homing_was_refused_is_not_one_of_homing() -> None:
     on.device.raises["home"] = ActuatorFault("not in this mode")
     with pytest.raises(ActuatorFault):
         on.guard.home()
-    on.device.now = replace(on.device.now, rate=1.0, fault="hot")
+    on.device.jammed = True
+    on.device.now = replace(on.device.now, rate=1.0, healthy=True, fault="")
+    on.clock.sleep(0.1)
+    on.device.now = replace(on.device.now, fault="hot")
     on.clock.sleep(0.1)
     assert on.guard.state().fault == "lost"
 
