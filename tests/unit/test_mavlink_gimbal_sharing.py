@@ -254,6 +254,7 @@ def test_a_stop_while_idle_brakes_what_a_pilot_turns_and_takes_no_control(releas
     released.point(20.0)  # the pilot may, after that
     released.clock.sleep(3.0)
     assert released.true_deg == pytest.approx(20.0, abs=1.0)
+    assert released.state.healthy
 
 
 def test_a_stop_brakes_nothing_that_a_pilot_has_begun_while_the_payload_was_held_up(released):
