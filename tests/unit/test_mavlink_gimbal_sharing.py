@@ -238,6 +238,38 @@ def test_what_was_known_of_control_is_forgotten_after_a_long_silence(rig):
     assert not rig.state.healthy
 
 
+def test_control_is_given_back_after_a_fault_of_a_payload_that_was_held_up():
+    """The autopilot seems to have restarted, and has not: it still says that we are in control."""
+    rig = Bench()
+    rig.actuator.command(0.3)
+    rig.settle()
+    rig.cancel()
+    rig.clock.sleep(4.0)
+    rig.clock.every(QUANTUM, lambda: rig.actuator.poll(rig.clock.now()))
+    rig.clock.sleep(0.5)
+    assert "has restarted: control is lost" in rig.state.fault
+    assert rig.primary == PAYLOAD
+    rig.actuator.release_control()
+    rig.clock.sleep(2.0)
+    assert rig.primary == FREE
+
+
+@pytest.mark.parametrize("outage", [2.5, 6.0])
+def test_control_is_given_back_after_an_outage_of_the_link_in_which_a_task_ended(outage):
+    rig = Bench()
+    rig.actuator.command(0.3)
+    rig.settle()
+    port = rig.far_end.port
+    send, receive = port.send, port.receive
+    port.send, port.receive = (lambda message: None), (lambda: receive()[:0])
+    rig.actuator.release_control()
+    rig.clock.sleep(outage)
+    assert rig.primary == PAYLOAD
+    port.send, port.receive = send, receive
+    rig.clock.sleep(2.5)
+    assert rig.primary == FREE
+
+
 def test_a_stop_while_idle_brakes_what_a_pilot_turns_and_takes_no_control(released):
     released.point(-90.0)
     released.clock.sleep(0.7)

@@ -19,9 +19,10 @@ from ross_protocols.mavlink.gimbal_messages import GimbalControl, GimbalTravel
 QUERY_PERIOD_S = 1.0  # [s] between two questions that were not answered
 CONTROL_PERIOD_S = 0.3  # [s] between two requests for control, or to release it, that were not fulfilled
 CONTROL_TIMEOUT_S = 2.0  # in which a manager must put us in control
-RELEASE_TRIES = 5  # times that control is released, until the manager says that it is
 # [s] without a word of a manager after which it may have restarted; its heartbeat comes once a second
 MANAGER_SILENCE_S = 3.5
+# times that control is released, until the manager says that it is; a silence that is longer begins them anew
+RELEASE_TRIES = math.ceil(MANAGER_SILENCE_S / CONTROL_PERIOD_S)
 CLOCKED = ("ATTITUDE", "SYSTEM_TIME", "GIMBAL_MANAGER_STATUS")  # messages of a manager that show its clock
 REGAIN_HINT = "to take it back: home, or rearm and the next command"
 ATTITUDE_RATE_HZ = 50.0  # [Hz] of attitudes
@@ -92,7 +93,8 @@ class GimbalManagerClient:
         if sender != self.manager:
             return
         if self._has_restarted(packet, now):
-            self.primary, self.releases, self.attitude_queries, self.due_control = None, 0, 0, 0.0
+            self.releases = RELEASE_TRIES if self.idle and self.primary == self.us else 0
+            self.primary, self.attitude_queries, self.due_control = None, 0, 0.0
         self.heard_at = now
         if packet.name == "COMMAND_ACK" and message.command == gimbal_messages.CONFIGURE and _is_for(self.us, message):
             self.refused = message.result not in (ACCEPTED, IN_PROGRESS)
@@ -186,7 +188,7 @@ class GimbalManagerClient:
     def release_control(self) -> None:
         """Give control back, if it is ours or may be."""
         if self.wanted is not None:
-            self.releases = RELEASE_TRIES if self.primary in (self.us, None) and not self.trouble() else 0
+            self.releases = RELEASE_TRIES if self.primary in (self.us, None) else 0
             self.wanted, self.had_control, self.due_control = None, False, 0.0
 
     def leave(self) -> list[Any]:
