@@ -208,6 +208,20 @@ def test_nobody_parks_when_the_place_is_lost(lost: dict[str, bool]) -> None:
     assert on.device.asked[1:] == ["stop"]
 
 
+def test_a_stop_in_the_moment_in_which_parking_begins_wins() -> None:
+    class Interrupted(Device):
+        def command(self, angle: float, rate: float | None = None) -> None:
+            if on.guard.state().fault:
+                on.guard.stop()
+            super().command(angle, rate)
+
+    on = bench(Interrupted(), on_fault="park", max_move_s=0.5)
+    on.device.jammed = True
+    on.guard.command(1.0)
+    on.clock.sleep(0.6)
+    assert on.device.asked[1:] == ["stop", "go 0.00 at 3.93", "stop"]
+
+
 def test_a_fault_between_the_check_and_the_request_wins() -> None:
     class Faulty(Device):
         """The pump finds a fault in the very moment of the command."""

@@ -238,6 +238,15 @@ def test_what_was_known_of_control_is_forgotten_after_a_long_silence(rig):
     assert not rig.state.healthy
 
 
+def test_control_that_was_taken_to_home_is_given_back(released):
+    released.actuator.home()
+    released.clock.sleep(1.0)
+    assert released.primary == PAYLOAD
+    released.actuator.release_control()
+    released.clock.sleep(2.0)
+    assert released.primary == FREE
+
+
 def test_control_is_given_back_after_a_fault_of_a_payload_that_was_held_up():
     """The autopilot seems to have restarted, and has not: it still says that we are in control."""
     rig = Bench()
