@@ -98,11 +98,22 @@ def write_whole(path: Path, data: bytes, *, new: bool = False) -> None:
                 part.replace(path)
     finally:
         part.unlink(missing_ok=True)
-    folder = os.open(path.parent, os.O_RDONLY)
+    synchronise(path.parent)  # the new name, too, outlives a power cut
+
+
+def synchronise(path: Path) -> None:
+    """Have a file, or the names in a folder, outlive a power cut.
+
+    Raises
+    ------
+    OSError
+        When the disk fails.
+    """
+    handle = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
     try:
-        os.fsync(folder)  # the new name, too, outlives a power cut
+        os.fsync(handle)
     finally:
-        os.close(folder)
+        os.close(handle)
 
 
 def _put_in_place_of_none(part: Path, path: Path) -> None:

@@ -10,7 +10,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from ross_payload.atomic_files import replacing
+from ross_payload.atomic_files import replacing, synchronise
 from ross_payload.bounded_files import read_bounded
 from ross_payload.config.table import Table, read_toml, validated
 from ross_payload.errors import ConfigError, OutputError, refused_as
@@ -46,7 +46,7 @@ def write_changes(path: Path, changes: Mapping[str, Any], model: type[Table]) ->
     ConfigError
         When the file cannot be read, or would not be good any more.
     OutputError
-        When it cannot be written: nothing has changed.
+        When it cannot be written: nothing has changed, unless it says so.
     """
     file = path.resolve()
     before = read_toml(file)
@@ -61,9 +61,10 @@ def write_changes(path: Path, changes: Mapping[str, Any], model: type[Table]) ->
         shutil.copymode(file, part)
         with suppress(PermissionError):
             os.chown(part, file.stat().st_uid, file.stat().st_gid)
-        with part.open("rb") as written:
-            os.fsync(written.fileno())
+        synchronise(part)
         kept = _kept(file)
+    with refused_as(OutputError, f"{path}: was written, and may be lost at a power cut"):
+        synchronise(file.parent)
     return kept
 
 
@@ -85,9 +86,11 @@ def _with(values: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, An
 
 
 def _kept(file: Path) -> Path:
-    """Keep the old file beside the new one, under a name that is free."""
+    """Keep the old file beside the new one, under a name that is free, also after a power cut."""
     names = (file.with_name(f"{file.name}.{BACKUP}{'' if n == 1 else f'-{n}'}") for n in count(1))
     free = next(name for name in names if not os.path.lexists(name))
     with replacing(free, 0o600) as part:
         shutil.copy2(file, part)
+        synchronise(part)
+    synchronise(file.parent)  # the copy is there for good before the file itself is replaced
     return free

@@ -1,6 +1,9 @@
 """A configuration is changed key by key; everything else stays, and the old file is kept."""
 
+import os
 import stat
+from contextlib import nullcontext
+from pathlib import Path
 
 import pytest
 
@@ -87,3 +90,58 @@ def test_a_folder_that_cannot_be_written_changes_nothing(tmp_path, monkeypatch):
         write_changes(file, CHANGES, Config)
     assert file.read_text() == TEXT
     assert [path.name for path in tmp_path.iterdir()] == ["ross.toml"]
+
+
+class PowerCut(Exception):
+    """Nothing more is done."""
+
+
+class Disk:
+    """What a folder holds after a power cut at one of the calls to the disk; ``prompt``: names get there at once.
+
+    What was not synchronised is empty, and what is replaced keeps its name until the folder is synchronised.
+    """
+
+    def __init__(self, folder, monkeypatch, *, cut, prompt):
+        self.folder, self.cut, self.prompt, self.calls = folder, cut, prompt, 0
+        self.written = {path.stat().st_ino: path.read_text() for path in folder.iterdir()}
+        self.names = self.present()
+        fsync, replace = os.fsync, Path.replace
+        monkeypatch.setattr("os.fsync", lambda handle: (self.call(), fsync(handle), self.synchronised(handle)))
+        monkeypatch.setattr(Path, "replace", lambda part, path: (self.call(), replace(part, path), self.renamed()))
+
+    def present(self):
+        return {path.name: path.stat().st_ino for path in self.folder.iterdir()}
+
+    def call(self):
+        self.calls += 1
+        if self.calls == self.cut:
+            raise PowerCut
+
+    def synchronised(self, handle):
+        found = os.fstat(handle)
+        if stat.S_ISDIR(found.st_mode):
+            self.names = self.present()
+        else:
+            self.written[found.st_ino] = os.pread(handle, found.st_size, 0).decode()
+
+    def renamed(self):
+        self.names = self.present() if self.prompt else self.names
+
+    def found(self):
+        return {name: self.written.get(inode, "") for name, inode in self.names.items()}
+
+
+@pytest.mark.parametrize("prompt", [True, False])
+@pytest.mark.parametrize("cut", [*range(1, 7), 0])
+def test_after_a_power_cut_the_old_file_is_there_under_one_name_or_the_other(tmp_path, monkeypatch, cut, prompt):
+    file, kept, new = tmp_path / "ross.toml", "ross.toml.before", edited(TEXT, CHANGES)
+    file.write_text(TEXT)
+    disk = Disk(tmp_path, monkeypatch, cut=cut, prompt=prompt)
+    with pytest.raises(PowerCut) if cut else nullcontext():
+        write_changes(file, CHANGES, Config)
+    found = disk.found()
+    assert found["ross.toml"] in (TEXT, new)
+    assert found.get(kept, TEXT) == TEXT
+    assert found["ross.toml"] == TEXT or kept in found
+    assert cut or (found["ross.toml"], disk.calls) == (new, 6)
