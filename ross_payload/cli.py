@@ -14,12 +14,11 @@ import click
 from ross_payload import __version__, plugins
 from ross_payload.bounded_files import printable
 from ross_payload.end_signals import Interrupter, end_signals
-from ross_payload.errors import ActuatorError, OutputError, PluginError, RossError, near, reason
+from ross_payload.errors import UNWRITABLE, ActuatorError, OutputError, PluginError, RossError, near, reason
 
 COMMANDS = "ross_payload.commands"
 LONGEST = 1500  # line about a mistake [characters]: a file may hold a name of a megabyte
 STANDARD_ERROR = 2  # its descriptor
-UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG)
 EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by the user."
 
 

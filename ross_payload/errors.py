@@ -16,12 +16,14 @@
     └── OutputError          results cannot be written any more: exit code 1
 """
 
+import errno
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from difflib import get_close_matches
 
 SHOWN = 80  # characters of a value in a message
+UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG)  # what a disk says that takes no more
 
 
 def shown(value: object) -> str:
@@ -102,6 +104,16 @@ class LinkError(RossError):
 
 class OutputError(RossError):
     """Results cannot be written any more: the disk is full or gone."""
+
+
+def unkept(what: str, error: OSError) -> RossError:
+    """Return the error of a file that cannot be kept: `OutputError` where the disk takes no more, else `ConfigError`.
+
+    >>> unkept("ann.json: cannot be written", OSError(28, "No space left on device"))
+    OutputError('ann.json: cannot be written: No space left on device')
+    """
+    kind = OutputError if error.errno in UNWRITABLE else ConfigError
+    return kind(f"{what}: {reason(error)}")
 
 
 def reason(error: Exception) -> str:

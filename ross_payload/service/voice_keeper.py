@@ -12,7 +12,7 @@ from itertools import count
 from queue import SimpleQueue
 from types import TracebackType
 
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, RossError
 from ross_payload.events import Enrolled, Event
 from ross_payload.interfaces import Input
 from ross_payload.orders import Enrol, Order
@@ -92,7 +92,7 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
     def _keep(self, store: VoiceStore, name: str, voice: EmbeddingPrint) -> None:
         try:
             kept = self._saved(store, name, voice)
-        except (ConfigError, OSError) as error:
+        except (RossError, OSError) as error:
             log.error("%s is enrolled until this program ends: %s", name, error)
             self._troubles.put(f"voice print of {name} not kept: {error}")
             return

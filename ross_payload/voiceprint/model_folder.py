@@ -14,7 +14,7 @@ from typing import Any
 
 from ross_payload.atomic_files import write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
-from ross_payload.errors import ConfigError, near, shown, unknown
+from ross_payload.errors import ConfigError, near, shown, unkept, unknown
 from ross_payload.voiceprint.built_in import built_in_model
 from ross_payload.voiceprint.embedding_model import EmbeddingModel
 from ross_payload.voiceprint.embedding_print import Calibration
@@ -65,6 +65,8 @@ class ModelFolder:
         ------
         ConfigError
             When it cannot be read or kept, is no network of speakers, or its name or calibration is wrong.
+        OutputError
+            When the disk takes no more.
         """
         name = source.name.removesuffix(SUFFIX)
         if not re.fullmatch(r"\w[\w.-]{0,63}", name) or name in (BUILT_IN, AUTO) or source.suffix != SUFFIX:
@@ -81,7 +83,7 @@ class ModelFolder:
             else:
                 write_whole(beside, json.dumps(asdict(read)).encode())
         except OSError as error:
-            raise ConfigError(f"{self.folder}: the model cannot be kept: {error.strerror}") from error
+            raise unkept(f"{self.folder}: the model cannot be kept", error) from error
         return model
 
     def load(self, name: str) -> EmbeddingModel:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ross_payload.atomic_files import PART, remove_leftovers, write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
-from ross_payload.errors import ConfigError, near, refused_as, shown
+from ross_payload.errors import ConfigError, near, refused_as, shown, unkept
 from ross_payload.named_paths import home_folder
 from ross_payload.voiceprint.built_in import built_in_model
 from ross_payload.voiceprint.embedding_print import EmbeddingPrint, restored_print
@@ -61,6 +61,8 @@ def save(voice: EmbeddingPrint, path: Path, *, new: bool = False) -> None:
     ------
     ConfigError
         When the print is not finite, or the file cannot be written; `NameTaken` when it is to be new and is there.
+    OutputError
+        When the disk takes no more: what was there before is kept.
     """
     finite = np.isfinite([*voice.embedding, voice.seconds, voice.criterion]).all()
     if not finite or not voice.embedding.any():
@@ -79,7 +81,7 @@ def save(voice: EmbeddingPrint, path: Path, *, new: bool = False) -> None:
     except OSError as error:
         if new and isinstance(error, FileExistsError) and os.path.lexists(path):
             raise NameTaken(f"{path}: expected a new voice print, got one that is there") from error
-        raise ConfigError(f"{path}: the voice print cannot be written: {error.strerror}") from error
+        raise unkept(f"{path}: the voice print cannot be written", error) from error
 
 
 def load(path: Path, model: VoiceModel | None = None) -> EmbeddingPrint:
@@ -142,6 +144,8 @@ class VoiceStore:
         ------
         ConfigError
             When it cannot be written; `NameTaken` when it is to be ``new`` and the name has a print.
+        OutputError
+            When the disk takes no more.
         """
         path = self.path(name)
         remove_leftovers(self.folder, f"*{SUFFIX}")

@@ -1,5 +1,6 @@
 """`ross enroll`: what is taken for a recording, what is kept, what is deleted; each refusal is one line."""
 
+import errno
 import os
 
 import numpy as np
@@ -39,6 +40,25 @@ def test_of_a_long_recording_the_beginning_is_used_and_it_says_so(run, tmp_path,
     assert run("enroll", "bob", long)[2] == f"{long}: the first 4 s are used, the rest is left out\n"
     ann, bob = (tmp_path / "data" / "ross" / "voices" / f"{name}.json" for name in ("ann", "bob"))
     assert ann.read_bytes() == bob.read_bytes()
+
+
+def test_a_voice_that_finds_a_full_disk_is_no_bad_input_and_the_old_print_stays(run, tmp_path, monkeypatch):
+    path, kept = tmp_path / "voice.wav", tmp_path / "data" / "ross" / "voices" / "ann.json"
+    soundfile.write(path, vowel(), 16000)
+    assert run("enroll", "ann", path)[0] == 0
+    before = kept.read_bytes()
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    assert run("enroll", "ann", path) == (
+        1,
+        "",
+        f"ross: {kept}: the voice print cannot be written: No space left on device\n",
+    )
+    assert kept.read_bytes() == before
+    assert [each.name for each in kept.parent.iterdir()] == ["ann.json"]
 
 
 @pytest.mark.parametrize("form", ["wav", "flac"])
