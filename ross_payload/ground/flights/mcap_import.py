@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,11 +24,18 @@ from ross_payload.plugins import install_line
 
 APART_S = 0.01  # by which a sample may be off its time: stamps of a computer that is busy tremble
 LONGEST_S = 86_400.0  # of a recording
-MOST_BYTES = 2 << 30  # of a recording as 16-bit samples
+MOST_BYTES = 2 << 30  # of all tracks of a file together, as 16-bit samples, silence in gaps included
 PIECE = 1 << 16  # frames that are written together
 MOST_TRACKS = 20
 LARGEST_RECORD = 256 << 20  # [bytes], also of a chunk that is decompressed
 NEAR_NS = 10 * 10**9  # by which the stamp of a message may be off the time of its log, to be of the same clock
+
+
+@dataclass(slots=True)
+class Room:
+    """The bytes that the tracks of a file may still take: compressed, a small file may hold more than a disk does."""
+
+    left: int
 
 
 @dataclass(slots=True)
@@ -37,6 +44,7 @@ class _Found:
 
     log: bytes | None = None  # a telemetry log
     damage: str = ""
+    room: Room = field(default_factory=lambda: Room(MOST_BYTES))
 
 
 def unpacked(path: Path, folder: Path) -> Path:
@@ -101,10 +109,12 @@ def _take(record: Any, folder: Path, found: _Found, tracks: dict[str, AudioAssem
             if len(tracks) >= MOST_TRACKS:
                 notes[""] = f"more than {MOST_TRACKS} topics with sound: the others are not played"
                 return
-            tracks[name] = AudioAssembly(folder / f"{name}.raw", part.rate, part.samples.shape[1])
-        if not tracks[name].has_room(part.samples):
-            notes.setdefault(topic, f"{topic[:40]}: only the first {MOST_BYTES >> 30} GB are played")
-        elif not tracks[name].add(part.time if near else message.log_time, part.rate, part.samples):
+            tracks[name] = AudioAssembly(folder / f"{name}.raw", part.rate, part.samples.shape[1], found.room)
+        if part.samples.nbytes > found.room.left:
+            notes.setdefault(topic, f"{topic[:40]}: only the first {MOST_BYTES >> 30} GB of the file are played")
+        elif tracks[name].add(part.time if near else message.log_time, part.rate, part.samples):
+            found.room.left -= part.samples.nbytes
+        else:
             notes.setdefault(topic, f"{topic[:40]}: parts of another rate are left out")
     elif found.log is None:
         found.log = record.data
@@ -199,17 +209,15 @@ class AudioAssembly:
         Of the samples [Hz].
     channels
         How many.
+    room
+        For the silence in gaps.
     """
 
-    def __init__(self, path: Path, rate: int, channels: int) -> None:
-        self._path, self._rate, self._channels = path, rate, channels
+    def __init__(self, path: Path, rate: int, channels: int, room: Room) -> None:
+        self._path, self._rate, self._channels, self._room = path, rate, channels, room
         self._file = path.open("xb")
         self._parts: list[tuple[int, int, int]] = []  # time [ns], first frame in the file, frames
         self._kept = 0  # frames
-
-    def has_room(self, samples: NDArray[np.int16]) -> bool:
-        """Whether frames (n, n_channels) can be kept, too: compressed, a small file may hold more than a disk does."""
-        return 2 * self._channels * self._kept + samples.nbytes <= MOST_BYTES
 
     def add(self, time: int, rate: int, samples: NDArray[np.int16]) -> bool:
         """Keep frames (n, n_channels) whose first was heard at ``time`` [ns]; False: they are of another kind."""
@@ -224,22 +232,25 @@ class AudioAssembly:
         """Write a WAV file; return when it begins and ends [s], None when there is no sample.
 
         Gaps become silence, what comes twice is left out, and a sample is nowhere more than `APART_S` off its time.
-        What lies further behind than a file can hold is left out.
+        What lies further behind than there is room for silence, or than `LONGEST_S`, is left out.
         """
         self._file.flush()
         if not self._kept:
             return None
         frames = np.memmap(self._path, "<i2", "r", shape=(self._kept, self._channels))
         begin, written = min(self._parts)[0], 0
-        most = min(round(LONGEST_S * self._rate), MOST_BYTES // (2 * self._channels))
+        most = round(LONGEST_S * self._rate)
         with soundfile.SoundFile(path, "w", self._rate, self._channels, "PCM_16", format="WAV") as file:
             for time, first, count in sorted(self._parts):
                 place = round((time - begin) * self._rate / 1e9)
-                if place + count > most:
+                gap = place - written if abs(place - written) > APART_S * self._rate else 0
+                silence = 2 * self._channels * max(gap, 0)
+                if place + count > most or silence > self._room.left:
                     break
+                self._room.left -= silence
                 early = 0
-                if abs(place - written) > APART_S * self._rate:
-                    _silence(file, place - written, self._channels)
+                if gap:
+                    _silence(file, gap, self._channels)
                     early = min(max(written - place, 0), count)
                     written = max(place, written)
                 file.write(frames[first + early : first + count])

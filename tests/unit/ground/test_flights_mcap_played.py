@@ -18,7 +18,7 @@ from examples import examples
 from flight_sound import CLICK, HEARD_FROM, RATE, mixture, session, simulated
 from ground_page import browser, page
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.flights.mcap_import import APART_S, AudioAssembly, unpacked
+from ross_payload.ground.flights.mcap_import import APART_S, MOST_BYTES, AudioAssembly, Room, unpacked
 from ross_payload.ground.flights.playback import Playback
 from ross_payload.ground.flights.raw_audio import audio_part
 from ross_payload.ground.flights.reading import open_flight
@@ -130,7 +130,7 @@ def test_sound_before_the_first_frame_is_not_moved_behind_it(tmp_path):
     assert tracks["target"].begin == pytest.approx(HEARD_FROM + true["mixture"].begin, abs=EXACT_S)
 
 
-def foreign(path, parts, *, schema="foxglove.RawAudio", form="pcm-s16", compression="ZSTD", topic="/robot/ear"):
+def foreign(path, parts, *, schema="foxglove.RawAudio", form="pcm-s16", compression="ZSTD", topics=("/robot/ear",)):
     """Write samples as another program does: (time [s], samples)."""
     from mcap.writer import CompressionType, Writer
 
@@ -138,7 +138,7 @@ def foreign(path, parts, *, schema="foxglove.RawAudio", form="pcm-s16", compress
         writer = Writer(file, compression=CompressionType[compression], chunk_size=20_000)
         writer.start()
         about = writer.register_schema(schema, "jsonschema", b"{}")
-        channel = writer.register_channel(topic, "json", about)
+        channels = [writer.register_channel(topic, "json", about) for topic in topics]
         for time, samples in parts:
             stamp = START_NS + round(time * 1e9)
             message = {
@@ -149,7 +149,8 @@ def foreign(path, parts, *, schema="foxglove.RawAudio", form="pcm-s16", compress
                 "number_of_channels": 1,
             }
             late = stamp + 30_000_000  # it was logged behind the end of the sound
-            writer.add_message(channel, late, json.dumps(message).encode(), late)
+            for channel in channels:
+                writer.add_message(channel, late, json.dumps(message).encode(), late)
         writer.finish()
     return path
 
@@ -186,7 +187,7 @@ async def test_sound_alone_has_a_time_that_goes_on(tmp_path):
 
 def test_gaps_are_silence_and_what_comes_twice_is_left_out(tmp_path):
     voice = 0.5 * np.ones(RATE)
-    assembly = AudioAssembly(tmp_path / "raw", RATE, 1)
+    assembly = AudioAssembly(tmp_path / "raw", RATE, 1, Room(MOST_BYTES))
     for time, samples in [*parts_of(voice, first=0.5), *parts_of(voice, first=2.0), (2.2, voice[:1600])]:
         assert assembly.add(round(time * 1e9), RATE, (samples * 32767).astype("<i2")[:, None])
     assert not assembly.add(0, 8000, np.zeros((10, 1), np.int16))
@@ -203,7 +204,7 @@ def test_gaps_are_silence_and_what_comes_twice_is_left_out(tmp_path):
 
 
 def test_a_clock_that_drifts_never_takes_sound_far_from_its_time(tmp_path):
-    assembly = AudioAssembly(tmp_path / "raw", RATE, 1)
+    assembly = AudioAssembly(tmp_path / "raw", RATE, 1, Room(MOST_BYTES))
     block, fast = 800, 1.002  # the stamps' clock, 2 parts in a thousand
     for number in range(400):
         samples = np.full((block, 1), number, np.int16)
@@ -266,6 +267,20 @@ def test_of_sound_without_end_only_as_much_is_kept_as_a_recording_may_have(tmp_p
     flight = open_flight(unpacked(path, tmp_path / "out"))
     assert max(kept) <= most
     assert any("only the first" in note for note in flight.notes)
+
+
+@pytest.mark.parametrize("apart", [1.0, 2.5], ids=["sound", "gaps"])
+def test_all_tracks_of_a_file_together_take_no_more_than_a_recording_may(tmp_path, monkeypatch, apart):
+    """Every topic has two seconds of sound: 12 s of six topics, and 9 s of silence with gaps."""
+    most = 2 * RATE * (6 if apart == 1.0 else 15)
+    monkeypatch.setattr("ross_payload.ground.flights.mcap_import.MOST_BYTES", most)
+    parts = [(0.0, np.ones(RATE)), (apart, np.ones(RATE))]
+    foreign(tmp_path / "robot.mcap", parts, topics=[f"/ear/{number}" for number in range(6)])
+    (tmp_path / "out").mkdir()
+    tracks = tracks_of(open_flight(unpacked(tmp_path / "robot.mcap", tmp_path / "out")))
+    assert len(tracks) == 6
+    frames = [soundfile.info(path).frames for path in (tmp_path / "out").glob("*.wav")]
+    assert most / 2 < 2 * sum(frames) <= most
 
 
 def test_a_chunk_that_grows_beyond_what_it_says_is_not_inflated(tmp_path, monkeypatch):
