@@ -8,8 +8,8 @@ from collections.abc import AsyncIterator
 from aiohttp import web
 
 from ross_payload.ground.errors import GroundError
+from ross_payload.ground.web.file_answer import FileAnswer
 from ross_payload.ground.web.flight_library import FlightLibrary, UploadRefused
-from ross_payload.ground.web.recordings import PRIVATE
 from ross_payload.ground.web.security import shown
 from ross_payload.ground.web.websocket_sessions import WebSocketSessions
 
@@ -33,8 +33,8 @@ async def sound(browsers: WebSocketSessions, request: web.Request) -> web.Stream
     return await sound_of(browsers.state.flights, request.match_info["name"], request.match_info["track"])
 
 
-async def sound_of(flights: FlightLibrary, name: str, track: str) -> web.FileResponse:
-    """Return the answer that is a track of a flight; browsers keep no copy: it is what people said.
+async def sound_of(flights: FlightLibrary, name: str, track: str) -> FileAnswer:
+    """Return the answer that is a track of a flight.
 
     Raises
     ------
@@ -45,7 +45,7 @@ async def sound_of(flights: FlightLibrary, name: str, track: str) -> web.FileRes
         path = await asyncio.to_thread(flights.sound, name, track)
     except GroundError as error:
         raise web.HTTPNotFound(text=f"{shown(error.message)}\n") from error
-    return web.FileResponse(path, headers={**PRIVATE, "Content-Type": SOUNDS[path.suffix]})
+    return FileAnswer(path, {"Content-Type": SOUNDS[path.suffix]})
 
 
 async def chunks(request: web.Request) -> AsyncIterator[bytes]:

@@ -16,10 +16,10 @@ from aiohttp import web
 
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.recordings import RecordingStore, described
+from ross_payload.ground.web.file_answer import PRIVATE, FileAnswer
 
 CHUNK = 1 << 20  # [bytes] that are read at once
 ZIP = "application/zip"
-PRIVATE = {"Cache-Control": "no-store"}
 
 
 async def listed(store: RecordingStore | None, request: web.Request) -> web.Response:
@@ -34,7 +34,7 @@ async def one_file(store: RecordingStore | None, request: web.Request) -> web.St
     path = (await files_of(store, name)).get(file)
     if path is None:
         raise web.HTTPNotFound(text=f"recording {name}: no such file\n")
-    return web.FileResponse(path, headers={**PRIVATE, **_attached(f"{name}-{file}")})
+    return FileAnswer(path, _attached(f"{name}-{file}"))
 
 
 async def archive(store: RecordingStore | None, request: web.Request, kind: str = ZIP) -> web.StreamResponse:

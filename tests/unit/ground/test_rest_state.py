@@ -194,6 +194,12 @@ async def test_recorded_sessions_are_listed_read_and_deleted(tmp_path):
         assert (told.told, told.headers["Cache-Control"]) == (audio.read_bytes(), "no-store")
         part = await one.get(f"{path}/files/audio.wav", headers={"Range": "bytes=0-3"})
         assert (part.status, part.told) == (206, b"RIFF")
+        for wrong in ("bytes=9000000-", "bytes=5-2"):
+            beyond = await one.get(f"{path}/files/audio.wav", headers={"Range": wrong})
+            assert beyond.refused(416, "wrong-range")
+            assert beyond.headers["Content-Range"] == f"bytes */{files['audio.wav']}"
+        other = await one.get(f"{path}/files/audio.wav", headers={"If-Match": '"another"'})
+        assert other.refused(412, "changed")
         assert (await one.get(f"{path}/archive")).told[:2] == b"PK"
         assert (await one.get(f"{path}/files/nothing")).refused(404, "not-found")
         assert (await one.ask("DELETE", path)).status == 204

@@ -27,8 +27,10 @@ CODES = {
     405: "wrong-method",
     408: "too-slow",
     409: "conflict",
+    412: "changed",
     413: "too-large",
     415: "wrong-content-type",
+    416: "wrong-range",
     421: "other-host",
     422: "invalid",
     429: "locked-out",
@@ -40,8 +42,10 @@ CODES = {
 WORDS = {
     404: "there is no such path: /api/v1/openapi.json lists all of them",
     405: "this method is none of those that the path has (Allow)",
+    412: "the file is not the one that If-Match or If-Unmodified-Since names",
+    416: "Range: expected bytes that the file has (Content-Range)",
 }  # where aiohttp has none
-KEPT = ("Allow", "Retry-After", "WWW-Authenticate")  # headers of such an answer
+KEPT = ("Allow", "Content-Range", "Retry-After", "WWW-Authenticate")  # headers of such an answer
 OF_ERRORS: tuple[tuple[type[Exception], int, str], ...] = (
     (NotReceived, 404, "unknown-payload"),
     (NotOrdered, 404, "unknown-order"),

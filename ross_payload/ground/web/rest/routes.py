@@ -24,6 +24,7 @@ from ross_payload.ground.web.websocket_sessions import WebSocketSessions
 OF_PAYLOAD = "/payloads/{payload}"
 ORDER, PARAMETER = f"{OF_PAYLOAD}/orders/{{number}}", f"{OF_PAYLOAD}/parameters/{{name}}"
 RECORDING = "/recordings/{name}"
+OF_PARTS = (404, 412, 416)  # of a file that may be asked for in parts
 OPENAPI = f"{BASE}/openapi.json"
 
 STATE = (
@@ -73,7 +74,7 @@ FILES = (
         "/flights/{name}/sound/{track}",
         file_handlers.get_flight_sound,
         media=file_handlers.OCTETS,
-        problems=(404,),
+        problems=OF_PARTS,
     ),
     Operation("GET", "/recordings", file_handlers.get_recordings),
     Operation("GET", RECORDING, file_handlers.get_recording, problems=(404,)),
@@ -86,7 +87,7 @@ FILES = (
         f"{RECORDING}/files/{{file}}",
         file_handlers.get_recording_file,
         media=file_handlers.OCTETS,
-        problems=(404,),
+        problems=OF_PARTS,
     ),
 )
 OPERATIONS = (*STATE, *ORDERS, *PARAMETERS, *FILES)
