@@ -98,6 +98,8 @@ class Entry:
     order: Order | None = None  # while the mission has it
     due: float = math.inf  # when the sender is told next [s]
     cancelled: bool = False  # somebody has asked to cancel it
+    instead_of: Entry | None = None  # one that goes on, until the mission has accepted this one
+    silent: bool = False  # what is said of it would look like an answer to the one instead of it
     lost: int | None = None  # frames of its sender that were lost on its way until it ended
     past: tuple[tuple[Command, float], ...] = ()  # the commands before it, and when they were heard, or ended, last [s]
 
@@ -121,6 +123,11 @@ class RecentCommands:
         self._entries[key] = entry
         if len(self._entries) > MOST:
             self._entries.popitem(last=False)
+
+    def restore(self, entry: Entry, refused: Entry) -> None:
+        """Remember a command again in the place of the one after it, which was refused; frames of that are late now."""
+        entry.origin = refused.origin
+        self._entries[entry.origin.sender, entry.command.number] = entry
 
     def repeated(self, command: Command, origin: Origin, now: float) -> Entry | None:
         """Return the entry that a frame only repeats: sent again, or doubled or delayed on its way."""

@@ -135,6 +135,7 @@ class MissionCommands:
             entry.progress = event.progress
             self._report(entry)
         elif event.answer is Answer.ACCEPTED and isinstance(entry.order, Task):
+            entry.instead_of = None
             self._report(entry)
         else:
             self._close(entry, event)
@@ -207,12 +208,12 @@ class MissionCommands:
             entry.result = verdict.result
             self._server.answer(command, origin.sender, verdict)
         elif before is not None and before.order is not None:
-            self._open.pop(before.order.number, None)  # its end would look like the end of the new one
+            before.silent, entry.instead_of = True, before  # its end would look like the end of the new one
 
     def _repeated(self, command: Command, received: Received, now: float) -> bool:
         """Answer a command that is only sent again; tell whether it is."""
         known = None if self._origin is None else self._recent.repeated(command, self._origin, now)
-        if known is not None:
+        if known is not None and known.instead_of is None:
             self._send(known)
         return known is not None
 
@@ -256,7 +257,7 @@ class MissionCommands:
             return
         going_on = [e for e in self._open.values() if e.command.number == request.number and isinstance(e.order, Task)]
         for entry in going_on:
-            if not entry.cancelled:
+            if not entry.cancelled and not entry.silent:
                 entry.cancelled = True
                 self._order(Cancel())
         sender = received.packet.sender
@@ -269,13 +270,28 @@ class MissionCommands:
         del self._open[event.order]
         entry.order, entry.result, entry.time = None, FINAL[event.answer], self._now
         entry.lost = self._frames.lost(entry.origin)
+        if entry.silent:
+            return
         self._send(entry)
         if event.answer is Answer.REFUSED:
             self._explain(entry.command, event.reason)
+        if entry.instead_of is not None:
+            self._go_on(entry.instead_of, entry)
+
+    def _go_on(self, entry: Entry, refused: Entry) -> None:
+        """Tell the sender how a command is whose place another one has not taken; it may have ended meanwhile."""
+        entry.silent, refused.instead_of = False, None
+        self._recent.restore(entry, refused)
+        self._report(entry)
 
     def _report(self, entry: Entry) -> None:
-        entry.due = self._now + PROGRESS_PERIOD
-        self._send(entry)
+        """Tell the sender that its command goes on; once only while another one of its kind may go on instead.
+
+        Who hears it twice takes the other one for ended.
+        """
+        if not entry.silent:
+            entry.due = self._now + PROGRESS_PERIOD if entry.instead_of is None else math.inf
+            self._send(entry)
 
     def _explain(self, command: Command, reason: str) -> None:
         if self._texts.spend(self._now):

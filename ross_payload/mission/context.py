@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
@@ -87,6 +87,11 @@ class Listening:
         return np.asarray(self.rotor_speeds[np.clip(hops, 0, last)])
 
 
+def never(task: Task) -> str:
+    """Refuse no task."""
+    return ""
+
+
 @dataclass(slots=True)
 class Context:
     """The mission's memory between hops."""
@@ -94,6 +99,7 @@ class Context:
     settings: Settings
     tools: Tools
     samples: int = 0  # heard so far
+    refusal: Callable[[Task], str] = never  # why a task that would take the place of this one cannot be begun
     last: Input | None = None
     lead_in: Samples | None = None  # (2, n), quiet or not
     lead_in_aboard: float = 0.0  # heading in the frame of the vehicle where it was heard [rad]
@@ -297,6 +303,9 @@ def _obey(context: Context, order: Order) -> None:
         case Cancel():
             raise Ended(Outcome.STOPPED, "cancelled by command", order)
         case Task() if context.yields:
+            if why := context.refusal(order):
+                context.publish(Answered(context.time, order.number, Answer.REFUSED, why))
+                return
             raise Ended(Outcome.STOPPED, "another task was commanded", order)
         case Set():
             context.later.append(order)

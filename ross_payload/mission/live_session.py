@@ -195,8 +195,8 @@ class LiveSession:
             self._answer(task, Answer.REFUSED, str(error))
             return None
         self._context = Context(kit.settings, kit.tools, samples=old.samples, last=old.last, pending=old.pending)
-        why = refusal(self._context, self._memory, task, stopped=self._stopped, fault=self._fault)
-        if why:
+        self._context.refusal = self._refusal
+        if why := self._refusal(task):
             self._answer(task, Answer.REFUSED, why)
             return None
         self._answer(task, Answer.ACCEPTED)
@@ -214,6 +214,10 @@ class LiveSession:
         finally:
             self.busy = False
         return None
+
+    def _refusal(self, task: Task) -> str:
+        """Return why a task cannot be begun, also in the place of the present one; empty when it can."""
+        return refusal(self._context, self._memory, task, stopped=self._stopped, fault=self._fault)
 
     def _kit(self) -> Kit:
         kit = self._make(self.config)

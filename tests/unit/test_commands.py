@@ -254,6 +254,60 @@ def test_a_new_listener_takes_the_place_of_the_old_one_while_it_listens(payload)
     assert payload.results(LISTEN, 0.1)[-1] == ACCEPTED
 
 
+@pytest.fixture
+def replacing(payload):
+    """A payload that is asked for another source while it listens to one; the test speaks for its mission."""
+    payload.server.on_event(SourcesEstimated(0.0, Believer().estimate([0] * 3), 3, final=True))
+    payload.computing = True
+    payload.command(LISTEN, 1, 0, seconds=0.05)
+    payload.server.on_event(_answered(payload.given[0], "ACCEPTED"))
+    payload.server.on_event(StateChanged(0.0, State.RUN))
+    payload.wait(0.1)
+    payload.ground.long(LISTEN, 1, 1)
+    return payload
+
+
+def test_until_the_mission_has_accepted_what_replaces_its_task_one_answer_says_that_it_waits(replacing):
+    replacing.ground.heard.clear()
+    replacing.results(LISTEN, 1.0)
+    replacing.command(LISTEN, 1, 1, confirmation=1, seconds=2.0)
+    assert [m.result for m in replacing.ground.heard if m.get_type() == "COMMAND_ACK"] == [IN_PROGRESS]
+    replacing.server.on_event(_answered(replacing.given[1], "ACCEPTED"))
+    replacing.ground.heard.clear()
+    replacing.command(LISTEN, 1, 1, confirmation=2, seconds=2.0)
+    assert len([m for m in replacing.ground.heard if m.get_type() == "COMMAND_ACK"]) >= 3
+
+
+@pytest.mark.parametrize("answer", ["DONE", "CANCELLED"])
+def test_what_was_not_replaced_after_all_goes_on_and_its_end_is_told(replacing, answer):
+    replacing.wait(0.05)
+    replacing.server.on_event(_answered(replacing.given[1], "REFUSED"))
+    assert replacing.results(LISTEN, 2.0) == [DENIED, IN_PROGRESS]
+    assert replacing.command(LISTEN, 1, 0, confirmation=1, seconds=0.5) == [IN_PROGRESS]
+    assert len(replacing.given) == 2, "it is not begun anew"
+    replacing.server.on_event(_answered(replacing.given[0], answer))
+    assert replacing.results(LISTEN, 1.0) == [ACCEPTED if answer == "DONE" else CANCELLED]
+    assert replacing.command(LISTEN, 1, 0, confirmation=2, seconds=0.5) == [ACCEPTED if answer == "DONE" else CANCELLED]
+    assert len(replacing.given) == 2
+
+
+def test_what_has_ended_while_another_waited_in_vain_is_told_after_that(replacing):
+    replacing.wait(0.05)
+    replacing.server.on_event(_answered(replacing.given[0], "CANCELLED"))
+    assert CANCELLED not in replacing.results(LISTEN, 0.05)
+    replacing.server.on_event(_answered(replacing.given[1], "REFUSED"))
+    assert replacing.results(LISTEN, 1.0)[-2:] == [DENIED, CANCELLED]
+    assert replacing.command(LISTEN, 1, 0, confirmation=1, seconds=0.5) == [CANCELLED]
+    assert len(replacing.given) == 2
+
+
+def test_one_cancel_ends_what_goes_on_and_what_waits_to_replace_it(replacing):
+    replacing.wait(0.05)
+    replacing.ground.send(ross.MAVLink_command_cancel_message(1, 191, LISTEN))
+    replacing.wait(0.1)
+    assert [type(order).__name__ for order in replacing.given] == ["ListenTo", "ListenTo", "Cancel"]
+
+
 def test_a_source_must_be_known_to_be_listened_to(payload):
     assert payload.command(LISTEN, 1, 0, seconds=0.1) == [TEMPORARILY_REJECTED]
     assert payload.texts == ["listen refused: no source is known: explore first"]

@@ -78,6 +78,27 @@ def test_the_second_of_two_turns_is_refused_and_the_first_goes_on(rig):
     assert rig.payload.joint == pytest.approx(math.radians(-150), abs=1e-6)
 
 
+@pytest.mark.parametrize("computing", [0.0, 3.0])
+def test_what_the_mission_refuses_in_place_of_its_task_ends_nothing_and_begins_nothing(rig, computing):
+    """Nobody is enrolled: the gate does not know that. A mission that computes answers late."""
+    rig.orders.order(WHO, Explore())
+    assert rig.station.wait(8, lambda: rig.state() == "done")
+    rig.orders.order(WHO, Listen(source=0))
+    rig.station.wait(4)
+    rig.payload.computing = computing > 0
+    rig.orders.order(WHO, Listen())
+    rig.station.wait(computing)
+    assert rig.state(-2) == "in_progress"
+    rig.payload.computing = False
+    assert rig.station.wait(1, lambda: rig.orders.doing[-1].reason == "no target voice is enrolled")
+    assert (rig.state(-2), rig.state()) == ("in_progress", "refused")
+    rig.station.wait(3)
+    assert rig.state(-2) == "in_progress"
+    rig.orders.cancel(rig.orders.doing[-2].number)
+    assert rig.station.wait(1, lambda: rig.state(-2) == "cancelled")
+    assert [type(order).__name__ for order in rig.payload.given] == ["Explore", "ListenTo", "Seek", "Cancel"]
+
+
 def test_what_runs_can_be_cancelled(rig):
     number = rig.orders.order(WHO, Turn(180))
     rig.station.wait(0.5)
