@@ -1,8 +1,8 @@
 """The client of the parameter protocol: what a payload's parameters are, mean, and become. No port, no clock.
 
 ``on_packet`` gets what arrives, ``tick`` the time, ``on_state`` what is known of the payload. What a list left out is
-asked for again by index; a value is set until it is read back, or refused. Without metadata, names and values still
-show.
+asked for again by index, and all of it after an outage of the link: what others changed meanwhile is told once. A value
+is set until it is read back, or refused. Without metadata, names and values still show.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from ross_protocols.mavlink.field_converters import FLOAT32_MAX
 
 ANSWER_TIMEOUT_S = 1.0  # [s] without an answer until something is asked for again
 LIST_TIMEOUT_S = 5.0  # [s] between two requests for a list that nobody answers
+OUTAGE_S = 3.0  # [s] without a message of the payload
 READS_AT_ONCE = 8  # parameters that are asked for at once
 MOST_SENDS = 5  # that a value is sent
 KNOWN, SENDING, SET, REFUSED, NO_ANSWER = "known", "sending", "set", "refused", "no_answer"
@@ -60,6 +61,7 @@ class ParamClient:
         self._give = send
         self._us = ComponentId(system_id, component_id)
         self._boots: int | None = None
+        self._received_at = math.inf  # the latest message [s]
         self._now = 0.0
         self._begin()
 
@@ -71,7 +73,7 @@ class ParamClient:
     @property
     def complete(self) -> bool:
         """Whether all parameters are known."""
-        return self._count is not None and len(self._names) == self._count
+        return len(self._read) == self._count
 
     @property
     def described(self) -> bool:
@@ -92,6 +94,7 @@ class ParamClient:
         """Forget everything, and ask for it with the next `tick`."""
         self._settings: dict[str, _Parameter] = {}
         self._names: dict[int, str] = {}  # by index
+        self._read: set[int] = set()  # indices that have come since the list was asked for
         self._count: int | None = None
         self._due, self._began = -math.inf, self._now
         self._texts = RecentTexts()
@@ -127,7 +130,10 @@ class ParamClient:
         """Learn of the payload, whenever it is heard: one that restarted may have other parameters."""
         if self._boots is not None and payload.boots > self._boots:
             self._begin()
-        self._boots = payload.boots
+        elif payload.last - self._received_at > OUTAGE_S:
+            self._read.clear()
+            self._due = -math.inf
+        self._boots, self._received_at = payload.boots, payload.last
 
     def on_packet(self, packet: Packet, now: float) -> None:
         """Take a packet; what is not about these parameters passes by."""
@@ -162,11 +168,11 @@ class ParamClient:
             self._metadata.tick(now)
 
     def _ask(self) -> None:
-        if self._count is None:
+        if self._count is None or not self._read:
             self._give(params.list_message(self.who), self.who)
             self._due = self._now + LIST_TIMEOUT_S
             return
-        missing = [index for index in range(self._count) if index not in self._names]
+        missing = [index for index in range(self._count) if index not in self._read]
         for index in missing[:READS_AT_ONCE]:
             self._give(params.read_message(index, self.who), self.who)
         self._due = self._now + ANSWER_TIMEOUT_S
@@ -186,6 +192,7 @@ class ParamClient:
         if answer.index is not None and answer.index < count:
             self._count = count
             self._names[answer.index] = answer.name
+            self._read.add(answer.index)
             self._due = self._now + ANSWER_TIMEOUT_S  # the list goes on
         if answer.count > MOST_PARAMETERS:
             self.note = f"{answer.count} parameters announced: {MOST_PARAMETERS} are shown"
@@ -197,8 +204,8 @@ class ParamClient:
             return _Parameter(value)
         if before.state in (SENDING, NO_ANSWER) and params.same_on_the_wire(value, before.wanted):
             return _Parameter(value, SET, at=self._now)  # however late
-        if before.state != SENDING:
-            return replace(before, value=value) if before.value == value else _Parameter(value)
+        if before.state != SENDING:  # what was not answered is known now
+            return before if before.value == value and before.state != NO_ANSWER else _Parameter(value)
         return replace(before, value=value, kept=True)
 
     def _send_value(self, name: str) -> None:

@@ -80,6 +80,36 @@ def test_what_somebody_else_sets_is_seen(rig):
     assert not other.sent
 
 
+@pytest.mark.parametrize(("silence", "seen"), [(2.9, 3.0), (3.1, 4.0)])
+def test_what_somebody_else_sets_during_an_outage_is_seen_after_it(rig, silence, seen):
+    """The payload tells everybody once; a list after every lost frame would be too much for a radio."""
+    rig.settings.on_state(Known(WHO, 0.0, 1.0))
+    rig.station.wait(5, lambda: rig.settings.complete)
+    order = [row["name"] for row in rig.settings.rows()]
+    rig.station.clients.clear()
+    rig.payload.parameters.set("EXP_UNIT", 4.0)
+    rig.station.wait(silence)
+    rig.station.clients.append(rig.settings)
+    rig.settings.on_state(Known(WHO, 0.0, 1.0 + silence))
+    assert [row["name"] for row in rig.settings.rows()] == order
+    rig.station.wait(2)
+    assert rig.settings.complete
+    assert row(rig.settings, "EXP_UNIT")["value"] == seen
+
+
+def test_what_was_not_answered_in_an_outage_is_known_after_it(rig):
+    rig.settings.on_state(Known(WHO, 0.0, 1.0))
+    rig.station.wait(5, lambda: rig.settings.complete)
+    rig.station.lose = lambda message: True
+    rig.settings.set("EXP_UNIT", 2.3)
+    assert rig.station.wait(8, lambda: row(rig.settings, "EXP_UNIT")["state"] == "no_answer")
+    rig.station.lose = lambda message: False
+    rig.settings.on_state(Known(WHO, 0.0, 9.0))
+    rig.station.wait(2)
+    told = row(rig.settings, "EXP_UNIT")
+    assert (told["value"], told["state"], told["reason"]) == (3.0, "known", "")
+
+
 @pytest.mark.parametrize("seed", [0, *in_soak(1, 2, 3)])
 def test_on_a_bad_link_the_list_and_its_meaning_are_whole_after_all(sky, seed):
     rig = rig_of(sky, loss=0.2, doubled=0.2, delayed=0.2, seed=seed)
