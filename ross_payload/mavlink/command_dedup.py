@@ -98,10 +98,25 @@ class Entry:
     order: Order | None = None  # while the mission has it
     due: float = math.inf  # when the sender is told next [s]
     cancelled: bool = False  # somebody has asked to cancel it
-    instead_of: Entry | None = None  # one that goes on, until the mission has accepted this one
-    silent: bool = False  # what is said of it would look like an answer to the one instead of it
+    kept: Entry | None = None  # the one before, until this one is accepted: what is refused takes nobody's place
+    silent: bool = False  # what is said of it would look like an answer to one that waits to replace it
     lost: int | None = None  # frames of its sender that were lost on its way until it ended
     past: tuple[tuple[Command, float], ...] = ()  # the commands before it, and when they were heard, or ended, last [s]
+
+    @property
+    def current(self) -> Entry:
+        """Itself, or the one that was kept when it was refused."""
+        return self if self.order is not None or self.kept is None else self.kept.current
+
+    @property
+    def waits(self) -> bool:
+        """Whether it is to replace one that goes on."""
+        return self.kept is not None and self.kept.silent
+
+    @property
+    def remembered(self) -> tuple[Entry, ...]:
+        """Those that were kept, the oldest first, and this one."""
+        return (self,) if self.kept is None else (*self.kept.remembered, self)
 
 
 class RecentCommands:
@@ -124,22 +139,18 @@ class RecentCommands:
         if len(self._entries) > MOST:
             self._entries.popitem(last=False)
 
-    def restore(self, entry: Entry, refused: Entry) -> None:
-        """Remember a command again in the place of the one after it, which was refused; frames of that are late now."""
-        entry.origin = refused.origin
-        self._entries[entry.origin.sender, entry.command.number] = entry
-
     def repeated(self, command: Command, origin: Origin, now: float) -> Entry | None:
         """Return the entry that a frame only repeats: sent again, or doubled or delayed on its way."""
-        entry = self.find(origin.sender, command.number)
-        if entry is None or not alike(entry.command, command):
-            return None
-        if self.before(command, origin, now):
-            return entry
-        if not self._again(entry, command, origin, now):
-            return None
-        entry.time, entry.command, entry.origin, entry.lost = now, command, origin, None
-        return entry
+        latest = self.find(origin.sender, command.number)
+        for entry in () if latest is None else latest.remembered:
+            if not alike(entry.command, command):
+                continue
+            if _is_late(entry, command, origin, now):
+                return entry
+            if self._again(entry, command, origin, now):
+                entry.time, entry.command, entry.origin, entry.lost = now, command, origin, None
+                return entry
+        return None
 
     def before(self, command: Command, origin: Origin, now: float) -> bool:
         """Tell whether a frame that arrives now was sent before the latest command of its number, or is that one.
@@ -148,18 +159,12 @@ class RecentCommands:
         confirmation of what was just replaced has taken longer: a sender may confirm on several at once.
         """
         entry = self.find(origin.sender, command.number)
-        if entry is None:
-            return False
-        if command.confirmation > 0 and origin.way != entry.origin.way:
-            return any(alike(other, command) and now - time < RESENT for other, time in entry.past)
-        if not self.not_after(command.number, origin, now):
-            return False
-        return command.confirmation <= entry.command.confirmation or not alike(entry.command, command)
+        return entry is not None and _is_late(entry, command, origin, now)
 
     def not_after(self, number: int, origin: Origin, now: float) -> bool:
         """Tell whether a frame that arrives now has no higher place than the latest command of a number."""
         entry = self.find(origin.sender, number)
-        return entry is not None and now - entry.time < LATE and origin.not_after(entry.origin)
+        return entry is not None and _not_after(entry, origin, now)
 
     def _again(self, entry: Entry, command: Command, origin: Origin, now: float) -> bool:
         """Tell whether a sender says a command again that it has not heard the end of."""
@@ -176,6 +181,19 @@ class RecentCommands:
             return False  # its sender counts from 0 again, and the first were lost
         lost = origin.lost - (entry.origin.lost if entry.lost is None else entry.lost)
         return age < (DOUBTED if lost >= command.confirmation else RESENT)
+
+
+def _not_after(entry: Entry, origin: Origin, now: float) -> bool:
+    return now - entry.time < LATE and origin.not_after(entry.origin)
+
+
+def _is_late(entry: Entry, command: Command, origin: Origin, now: float) -> bool:
+    """Tell whether a frame that arrives now was sent before a command of its number, or is that one."""
+    if command.confirmation > 0 and origin.way != entry.origin.way:
+        return any(alike(other, command) and now - time < RESENT for other, time in entry.past)
+    if not _not_after(entry, origin, now):
+        return False
+    return command.confirmation <= entry.command.confirmation or not alike(entry.command, command)
 
 
 def alike(command: Command, other: Command) -> bool:

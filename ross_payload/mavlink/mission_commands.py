@@ -135,7 +135,7 @@ class MissionCommands:
             entry.progress = event.progress
             self._report(entry)
         elif event.answer is Answer.ACCEPTED and isinstance(entry.order, Task):
-            entry.instead_of = None
+            entry.kept = None
             self._report(entry)
         else:
             self._close(entry, event)
@@ -199,21 +199,21 @@ class MissionCommands:
         origin = self._origin
         if origin is None or self._recent.before(command, origin, now):
             return  # its sender has asked for something else since
-        entry = Entry(command, origin, now)
-        verdict = self._obey(entry)
         before = self._recent.find(origin.sender, command.number)
-        if verdict is None or before is None or before.order is None:
-            self._recent.note(entry)
+        entry = Entry(command, origin, now, kept=before and before.current)
+        verdict = self._obey(entry)
+        self._recent.note(entry)
         if verdict is not None:
             entry.result = verdict.result
+            entry.kept = None if verdict is ACCEPTED else entry.kept
             self._server.answer(command, origin.sender, verdict)
-        elif before is not None and before.order is not None:
-            before.silent, entry.instead_of = True, before  # its end would look like the end of the new one
+        elif entry.kept is not None and entry.kept.order is not None:
+            entry.kept.silent = True  # its end would look like the end of the new one
 
     def _repeated(self, command: Command, received: Received, now: float) -> bool:
         """Answer a command that is only sent again; tell whether it is."""
         known = None if self._origin is None else self._recent.repeated(command, self._origin, now)
-        if known is not None and known.instead_of is None:
+        if known is not None and not known.waits and not known.silent:
             self._send(known)
         return known is not None
 
@@ -263,7 +263,7 @@ class MissionCommands:
         sender = received.packet.sender
         known = self._recent.find(sender, request.number)
         if not going_on and known is not None and self._server.allows(sender):
-            self._send(known)
+            self._send(known.current)
 
     def _close(self, entry: Entry, event: Answered) -> None:
         """Tell the sender how its command ended."""
@@ -273,16 +273,13 @@ class MissionCommands:
         if entry.silent:
             return
         self._send(entry)
-        if event.answer is Answer.REFUSED:
-            self._explain(entry.command, event.reason)
-        if entry.instead_of is not None:
-            self._go_on(entry.instead_of, entry)
-
-    def _go_on(self, entry: Entry, refused: Entry) -> None:
-        """Tell the sender how a command is whose place another one has not taken; it may have ended meanwhile."""
-        entry.silent, refused.instead_of = False, None
-        self._recent.restore(entry, refused)
-        self._report(entry)
+        if event.answer is not Answer.REFUSED:
+            entry.kept = None
+            return
+        self._explain(entry.command, event.reason)
+        if entry.kept is not None and entry.kept.silent:  # it goes on, or has ended meanwhile
+            entry.kept.silent = False
+            self._report(entry.kept)
 
     def _report(self, entry: Entry) -> None:
         """Tell the sender that its command goes on; once only while another one of its kind may go on instead.
@@ -290,7 +287,7 @@ class MissionCommands:
         Who hears it twice takes the other one for ended.
         """
         if not entry.silent:
-            entry.due = self._now + PROGRESS_PERIOD if entry.instead_of is None else math.inf
+            entry.due = self._now + PROGRESS_PERIOD if not entry.waits else math.inf
             self._send(entry)
 
     def _explain(self, command: Command, reason: str) -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from command_bench import (
     ACCEPTED,
+    DENIED,
     HOME,
     IN_PROGRESS,
     REARM,
@@ -136,6 +137,27 @@ def test_a_confirmation_of_an_order_like_the_last_but_one_is_obeyed_on_the_same_
     for heading, confirmation in ((-20, 0), (20, 0), (-20, 1)):
         payload.command(TURN, heading, confirmation=confirmation, seconds=1.0)
     assert len(payload.given) == 3
+
+
+def test_what_is_asked_for_after_another_of_its_kind_was_refused_is_answered_and_not_begun_again(payload):
+    """Its end was lost, and the ground station still asks for it."""
+    payload.command(TURN, -20, seconds=1.0)
+    assert payload.command(TURN, 361, seconds=0.2) == [DENIED]
+    assert payload.command(TURN, -20, confirmation=1, seconds=0.5) == [ACCEPTED]
+    assert payload.command(TURN, 361, confirmation=1, seconds=0.2) == [DENIED]
+    assert payload.command(TURN, -20, confirmation=2, seconds=0.5) == [ACCEPTED]
+    assert len(payload.given) == 1
+
+
+def test_a_doubled_frame_of_what_was_refused_is_not_obeyed_later(payload):
+    """A slow copy of it comes when the payload is free again."""
+    payload.command(TURN, -20, seconds=0.1)
+    frames = []
+    call, payload.ground.air.call = payload.ground.air.call, lambda frame: frames.append(frame) or call(frame)
+    assert TEMPORARILY_REJECTED in payload.command(TURN, 20, seconds=1.0)
+    call(frames[0])
+    payload.wait(1.0)
+    assert len(payload.given) == 1
 
 
 def lose(payload, frames):
