@@ -62,6 +62,7 @@ class _OpenCommand:
     due: float  # when it is said again [s]
     repeated: bool  # its like ended a moment ago: what the payload remembers may be that
     trusted: float  # [s]: a final answer before may be a late one to its like
+    refusable: float = -math.inf  # [s]: a refusal before may be that of a later one of its kind, doubled
     sent: int = 0  # frames
     answered: float | None = None  # the latest time [s]
     doubted: int = 0  # frames that were sent when the first answer came that may be one to an older order of its kind
@@ -285,13 +286,16 @@ class CommandProtocol:
         self._change(one, state, "", progress=progress)
 
     def _is_over(self, one: _OpenCommand, older: list[_OpenCommand], result: Result) -> None:
-        if self._now < one.trusted:
-            one.due = min(one.due, one.trusted)
-            return
         state, reason = ENDS[result]
+        doubtful = max(one.trusted, one.refusable if state == REFUSED else -math.inf)
+        if self._now < doubtful:
+            one.due = min(one.due, doubtful)
+            return
         for other in older if state != REFUSED else []:
             self._end(other, *((state, reason) if other.order == one.order else (CANCELLED, REPLACED)))
         self._end(one, state, reason)
+        for other in older if state == REFUSED else []:  # they go on
+            other.refusable = self._now + LATE_ACK_S
 
     def _end(self, one: _OpenCommand, state: str, reason: str) -> None:
         self._open.pop(one.number, None)

@@ -232,6 +232,20 @@ def test_an_order_is_asked_for_again_when_the_later_one_of_its_kind_was_refused(
     assert script.states() == ["done", "refused"]
 
 
+def test_a_doubled_refusal_of_an_order_is_not_one_of_the_order_before_it(script):
+    script.orders.order(WHO, Turn(40))
+    script.ack(TURN, Result.IN_PROGRESS)
+    script.wait(2)
+    script.orders.order(WHO, Turn(50))
+    for _ in range(2):
+        script.ack(TURN, Result.TEMPORARILY_REJECTED)
+    assert script.states() == ["acknowledged", "refused"]
+    script.wait(1.1)
+    assert script.heard[-1][1].param1 == 40, "it is asked for"
+    script.ack(TURN, Result.IN_PROGRESS)
+    assert script.states() == ["in_progress", "refused"]
+
+
 @pytest.mark.parametrize("end", [None, Result.ACCEPTED, Result.CANCELLED])
 def test_what_the_payload_says_of_the_first_after_a_silence_is_not_believed_of_the_second(script, end):
     """The link was away while the second was sent, and sent again: an answer after that may be to the first."""
