@@ -29,6 +29,7 @@ LATE_US = 10_000_000  # [us] before the newest of its kind, at most: a frame tha
 REPEATED_US = 86_400_000_000  # [us] before it: what is repeated keeps the time at which it was found
 RESTING = (ross.ROSS_STATE_IDLE, ross.ROSS_STATE_DONE, ross.ROSS_STATE_STOPPED, ross.ROSS_STATE_FAULT)
 MIRROR, AZIMUTHS = "ross_", "ross_az"
+STATUS_TIMEOUT_S = 35.0  # [s] beside mirrors without a status: at the lowest TLM_STATUS_HZ three in a row were lost
 MOST_POINTS = 60  # of a track
 MOST_TRACKS = 64
 TRACK_TIMEOUT_S = 12.0  # that a track stays without going on: a source is sent again every 5 s
@@ -81,7 +82,7 @@ def learn(known: PayloadState, value: values.Value, at: float) -> PayloadState:
         case values.Source():
             return _source(known, value, at)
         case values.Named() | values.Array():
-            return _mirror(known, value)
+            return _mirror(known, value, at)
     if type(value) in LISTS:
         return _listed(known, value, LISTS[type(value)])
     changes: dict[str, Any] = {LATEST[type(value)]: value} if type(value) in LATEST else {}
@@ -198,7 +199,16 @@ def _azimuths(numbers: Sequence[float]) -> tuple[float, ...]:
     return tuple([*numbers[1 : count + 1], *[0.0] * count][:count])
 
 
-def _mirror(known: PayloadState, named: values.Named | values.Array) -> PayloadState:
+def _without_dialect(known: PayloadState) -> PayloadState:
+    """Forget what our own messages told: the way that is left passes on mirrors alone."""
+    fresh = PayloadState(known.who, known.first, known.last, known.boots, known.tunnelled, known.twin, known.counts)
+    kept = ("heartbeat", "information", "computer", "texts", "history", "mirrors", "azimuths", "flaws")
+    return replace(fresh, **{name: getattr(known, name) for name in kept})
+
+
+def _mirror(known: PayloadState, named: values.Named | values.Array, at: float) -> PayloadState:
+    if known.status_at is not None and at - known.status_at > STATUS_TIMEOUT_S:
+        known = _without_dialect(known)
     if isinstance(named, values.Array):
         return replace(known, azimuths=_azimuths(named.numbers)) if named.name == AZIMUTHS else known
     if not named.name.startswith(MIRROR):

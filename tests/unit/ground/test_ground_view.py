@@ -1,6 +1,7 @@
 """The picture that page, terminal and logs draw: compass degrees, clockwise, and null for what is not known."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -154,3 +155,22 @@ def test_of_two_troubles_both_remedies_are_told():
     audio = v.Audio(0, trouble=1 | 4)  # clipping, and microphone 2 is dead
     words = view(payload(audio=audio))["health"]["microphones"]["words"]
     assert words == "clipping: lower the gain; microphone 2 is silent: check its wiring"
+
+
+def mirrored(state, at, known):
+    """What is known after a mirror of the state, as it passes an autopilot that passes nothing of our dialect."""
+    return learn(known, v.Named(at, "ross_state", float(state)), at)
+
+
+def test_when_only_mirrors_come_any_longer_what_was_told_before_is_not_shown_as_of_now():
+    """The direct link is gone, and the one by way of the autopilot is left."""
+    stopped, explores = 8, 3
+    known = learn(payload(), replace(status(), state=stopped, mission_time=9.0), 100.0)
+    assert view(mirrored(explores, 134.0, known))["standing"]["state"] == "stopped"
+    known = mirrored(explores, 136.0, known)
+    told = view(known)
+    assert (told["standing"]["state"], told["standing"]["mirrors_only"]) == ("explore_listen", True)
+    assert told["pointing"]["goal"] is None
+    assert len(known.history) == 1
+    known = learn(known, replace(status(), state=stopped), 137.0)
+    assert view(known)["standing"]["state"] == "stopped"
