@@ -7,6 +7,8 @@ import numpy as np
 from ross_payload.interfaces import Samples
 
 LEAST = 0.1  # of the RMS: the mean of a sound that lasts is smaller
+LASTING_S = 2.0  # of a stream, from which its mean tells
+AVERAGED_S = 4.0  # time constant of the mean of a stream
 
 
 def without_offset(samples: Samples) -> Samples:
@@ -21,3 +23,44 @@ def without_offset(samples: Samples) -> Samples:
     power = np.mean(np.square(samples, dtype=np.float64), axis=-1, keepdims=True)
     offset = np.where(mean**2 > LEAST**2 * power, mean, 0.0)
     return samples - offset.astype(samples.dtype) if offset.any() else samples
+
+
+class OffsetFilter:
+    """Takes the offset out of a stream: of every channel that was found to have one, its mean of late.
+
+    Parameters
+    ----------
+    rate
+        Sampling rate [Hz].
+    n_channels
+        Of the samples.
+
+    >>> offset_filter, hop = OffsetFilter(16000, 1), np.full((1, 16000), 0.5, np.float32)
+    >>> [float(offset_filter.push(hop)[0, -1]) for _ in range(3)]
+    [0.5, 0.0, 0.0]
+    """
+
+    def __init__(self, rate: int, n_channels: int) -> None:
+        self._rate = rate
+        self._heard = 0  # samples
+        self._mean, self._power = np.zeros(n_channels), np.zeros(n_channels)
+        self._found = np.zeros(n_channels, bool)
+        self._offset = np.zeros(n_channels)  # at the end of the last samples
+
+    def push(self, samples: Samples) -> Samples:
+        """Take the next samples (n_channels, n); return them without the offset, which moves evenly from hop to hop."""
+        n = samples.shape[-1]
+        if not n:
+            return samples
+        self._heard += n
+        weight = n / min(self._heard, AVERAGED_S * self._rate)
+        self._mean += min(weight, 1.0) * (samples.mean(axis=-1, dtype=np.float64) - self._mean)
+        self._power += min(weight, 1.0) * (np.mean(np.square(samples, dtype=np.float64), axis=-1) - self._power)
+        if self._heard >= LASTING_S * self._rate:
+            self._found |= self._mean**2 > LEAST**2 * self._power
+        before, self._offset = self._offset, np.where(self._found, self._mean, 0.0)
+        if not self._found.any():
+            return samples
+        moved = before[:, None] + (self._offset - before)[:, None] * np.arange(1, n + 1) / n
+        corrected: Samples = samples - moved.astype(samples.dtype)
+        return corrected

@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from ross_payload.config import Config
+from ross_payload.dsp.dc_offset import OffsetFilter
 from ross_payload.dsp.streaming_stft import StreamingAnalysis, transform_for
 from ross_payload.events import Event
 from ross_payload.interfaces import AudioBlock, Clock, Complex, Groups
@@ -55,6 +56,7 @@ class ListeningStage:
         self._open_runner = open_runner
         self._clock = clock
         self._tracker = SceneTracker(config.array)
+        self._offset_filter = OffsetFilter(self._rate, 2)
         self._wanted: dict[int, StreamSettings] = {}
         self._streams: dict[int, Stream] = {}
         self._leaving: list[SinkRunner] = []
@@ -111,15 +113,15 @@ class ListeningStage:
     def hear(self, block: AudioBlock, pointing: Pointing, *, settled: bool) -> None:
         """Take the next hop (2, n), and where the array pointed after it."""
         self._open_or_close()
+        samples = self._offset_filter.push(block.samples)
         if not self._streams:
             self._next = -1
             return
         if block.index != self._next:
             self._begin(block.index)
-        n = block.samples.shape[1]
-        self._next = block.index + n
+        self._next = block.index + samples.shape[1]
         self._origin = block.time - block.index / self._rate
-        frames = self._analysis.push(block.samples)
+        frames = self._analysis.push(samples)
         for number in range(frames.shape[2]):
             self._frame(frames[..., number], pointing, settled=settled)
         if self._next / self._rate - self._reported_at >= STATUS_S or self._reported_at > self._next / self._rate:

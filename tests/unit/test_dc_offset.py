@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ross_payload.dsp.dc_offset import without_offset
+from ross_payload.dsp.dc_offset import OffsetFilter, without_offset
 from ross_payload.dsp.stft import Stft
 
 
@@ -23,3 +23,28 @@ def test_an_offset_makes_no_click_at_the_ends_of_a_period(offset: float) -> None
     assert heard.mean(axis=(1, 2)) == pytest.approx(quiet.mean(axis=(1, 2)), rel=0.01)
     clicks = np.abs(stft.analyse(noise + np.float32(offset))) ** 2
     assert clicks[:, 10:].mean() > 2 * quiet[:, 10:].mean()
+
+
+def passed(sound: np.ndarray, hop: int = 160) -> np.ndarray:
+    offset_filter = OffsetFilter(16000, len(sound))
+    return np.concatenate([offset_filter.push(sound[:, i : i + hop]) for i in range(0, sound.shape[1], hop)], axis=1)
+
+
+def test_a_stream_without_an_offset_passes_as_it_is() -> None:
+    sound = np.random.default_rng(2).standard_normal((2, 80000)).astype(np.float32)
+    assert passed(sound).tobytes() == sound.tobytes()
+
+
+@pytest.mark.parametrize("hop", [16, 160, 80000])
+def test_the_offset_of_a_stream_goes_without_a_step_in_the_channel_that_has_one(hop: int) -> None:
+    sound = 0.01 * np.random.default_rng(3).standard_normal((2, 160000)).astype(np.float32)
+    heard = passed(sound + np.array([[0.1], [0.0]], np.float32), hop)
+    assert heard[1].tobytes() == sound[1].tobytes()
+    assert heard[0, 80000:] == pytest.approx(sound[0, 80000:], abs=5e-4)
+    assert np.abs(np.diff(heard[0] - sound[0])).max() < 1.1 * 0.1 / hop
+
+
+def test_a_tone_stays_when_an_offset_drifts_away() -> None:
+    tone = 0.1 * np.sin(2 * np.pi * 100 / 16000 * np.arange(480000)).astype(np.float32)
+    offset = np.interp(np.arange(480000), [0, 160000, 160001], [0.2, 0.2, 0.0]).astype(np.float32)
+    assert passed((tone + offset)[None])[0, -16000:] == pytest.approx(tone[-16000:], abs=0.01)

@@ -27,6 +27,14 @@ def test_the_mixture_comes_out_sample_by_sample_where_it_was():
         assert other.time == pytest.approx(5.0 + other.index / RATE)
 
 
+def test_an_offset_of_the_microphones_is_not_listened_to():
+    bench = Bench({0: MIXTURE, 1: source(0)}, lambda index: noise(index) + 0.3)
+    bench.know()
+    bench.hear(4.0)
+    for kept in bench.kept.values():
+        assert abs(kept.samples[-RATE:].mean()) < 2e-3
+
+
 def test_a_voice_has_the_index_that_it_has_in_the_mixture():
     bench = Bench({0: source(0)}, noise)
     bench.know()
