@@ -23,7 +23,7 @@ class Explore(Table):
     method: str = "joint"  # explorer: `joint`, `markov`, or `markov-plain`, the paper's own histograms
     options: dict[str, Any] = Field(default_factory=dict)  # a table of the explorer's own
     frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] | None = (
-        None  # STFT frame [samples]; absent: about 43 ms
+        None  # STFT frame [samples]; absent: a power of two near 43 ms
     )
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of these frames, as a share of the frame
     lead_in_s: Annotated[float, Field(ge=0, le=60)] = 2.0  # listening time before the first turn, to measure the noise

@@ -13,14 +13,13 @@ from ross_payload.dsp.density import prominent_peaks
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.steering import tdoa
-from ross_payload.dsp.stft import Stft
+from ross_payload.dsp.stft import Stft, short_frames
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.evaluation.takes import Pair
 from ross_payload.interfaces import Real, Scene
 from ross_payload.localization import markov_explorer
 from ross_payload.localization.front_back_test import refined
 from ross_payload.plugin_checks import load_separator
-from ross_payload.service.assemble import EXPLORER_FRAME_S
 
 FRAME = 0.1  # of the separation, rounded to a power of two in samples [s]
 MOST_DEG = 360  # of an angle on the command line, as of one in an order
@@ -111,8 +110,7 @@ def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None
 def heard_delays(pair: Pair, config: Config, n_sources: int | None) -> Real:
     """TDOAs [s] of the peaks of the mixture's ITD density, the highest first: one per group of sources, (n_groups,)."""
     array = config.array
-    frame = 2 ** round(math.log2(EXPLORER_FRAME_S * config.audio.rate_hz))
-    stft = Stft(config.audio.rate_hz, frame, frame // 4)
+    stft = short_frames(config.audio.rate_hz)
     noise_psd = noise_of(pair, config, stft)
     explorer = markov_explorer.explorer.make(array.spacing_m, array.speed_of_sound_m_s)
     seen = explorer.observe(stft.analyse(pair.mixture.samples), stft.frequencies, 0.0, noise_psd)

@@ -13,7 +13,7 @@ from ross_payload.dsp.ego_noise import EgoNoise, learnt
 from ross_payload.dsp.itd import band_limits, raised_psd
 from ross_payload.dsp.noise import quiet_frames, quiet_psd
 from ross_payload.dsp.rotor_tones import tones
-from ross_payload.dsp.stft import Stft
+from ross_payload.dsp.stft import Stft, short_frames
 from ross_payload.events import (
     Answer,
     Answered,
@@ -158,8 +158,11 @@ class Context:
         self.earth = self.holding = None
 
     def track(self, estimate: Estimate, source: int) -> None:
-        """From here on follow the sources of an estimate while one of them is listened to, where that is wanted."""
-        settings, stft = self.settings, self.tools.explorer_stft
+        """From here on follow the sources of an estimate while one of them is listened to, where that is wanted.
+
+        In frames of its own: longer ones, which an explorer may be told to use, make those who rest seem to move.
+        """
+        settings, stft = self.settings, short_frames(self.settings.rate)
         if not settings.track or not estimate.k:
             self.tracker = None
             return

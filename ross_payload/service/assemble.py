@@ -10,7 +10,7 @@ from ross_payload.alignment.plan import plan
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Table, validated
 from ross_payload.dsp.rotors import Rotors
-from ross_payload.dsp.stft import Stft
+from ross_payload.dsp.stft import Stft, short_frames
 from ross_payload.errors import PluginError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Attitude, VoicePrint
@@ -19,7 +19,6 @@ from ross_payload.mission.settings import Planner, Settings, Tools
 from ross_payload.plugin_checks import CheckedExplorer, checked_explorer, load_separator
 from ross_payload.voiceprint.model_folder import ModelFolder
 
-EXPLORER_FRAME_S = 0.043  # [s], rounded to a power of two in samples: short frames keep onsets apart
 PLANNERS: dict[str, Planner] = {"best": plan, "paper": paper_plan}
 
 
@@ -106,7 +105,7 @@ def explorer_of(config: Config) -> CheckedExplorer:
 def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
     """Load the plug-ins that a configuration names."""
     audio, explorer = config.audio, explorer_of(config)
-    frame = config.explore.frame or 2 ** round(math.log2(EXPLORER_FRAME_S * audio.rate_hz))
+    frame = config.explore.frame or short_frames(audio.rate_hz).frame
     return Tools(
         explorer=explorer,
         explorer_stft=Stft(audio.rate_hz, frame, round(frame * (1 - config.explore.overlap))),

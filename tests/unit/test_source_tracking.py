@@ -227,6 +227,17 @@ def test_the_state_of_the_mission_has_the_azimuths_of_the_track():
     assert (after.estimate, after.target) == (told, 0)
 
 
+def test_who_rests_does_not_move_where_the_explorer_hears_in_long_frames():
+    stft, told = Stft(FS, 512, 128), estimate(-60, 100)
+    settings = replace(SETTINGS, rate=FS, spacing=SPACING, speed_of_sound=SPEED, track=True)
+    context = Context(settings, Tools(ThreeTalkers(), Stft(FS, 8192, 2048), OneGroupEach(), stft, Likes(1)))
+    context.track(told, 0)
+    said = feed(context.tracker, noises([lambda _: -60.0, lambda _: 100.0], 4.0, 0.9), 0.9)
+    assert said
+    assert not context.tracker.anybody
+    assert context.tracker.stft == Stft(FS, 512, 128)
+
+
 def test_a_period_is_separated_piece_by_piece_with_the_delays_of_each():
     heard = []
 
