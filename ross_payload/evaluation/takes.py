@@ -11,6 +11,7 @@ import scipy.fft
 from scipy.signal import resample_poly
 
 from ross_payload.audio.audio_files import read_audio
+from ross_payload.dsp.dc_offset import without_offset
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
 
@@ -56,7 +57,7 @@ class Pair:
 
 
 def read_take(path: Path) -> Take:
-    """Read a recording of two microphones.
+    """Read a recording of two microphones; of a constant offset nothing is left.
 
     Raises
     ------
@@ -66,7 +67,7 @@ def read_take(path: Path) -> Take:
     """
     samples, rate = read_audio(path)
     _check(path, samples.T, rate)
-    return Take(samples.T.copy(), rate)
+    return Take(without_offset(samples.T).copy(), rate)
 
 
 def _check(path: Path, samples: Real, rate: int) -> None:
@@ -78,7 +79,7 @@ def _check(path: Path, samples: Real, rate: int) -> None:
         raise AudioError(f"{path}: expected at least {SHORTEST:g} s, got {samples.shape[1] / rate:.2f} s")
     if not np.isfinite(samples).all():
         raise AudioError(f"{path}: expected finite samples, got NaN or infinity")
-    for index, channel in enumerate(samples, start=1):
+    for index, channel in enumerate(without_offset(samples), start=1):
         if math.sqrt(float(np.mean(channel**2))) < SILENCE:
             raise AudioError(f"{path}: microphone {index} is silent")
 

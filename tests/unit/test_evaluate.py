@@ -12,7 +12,7 @@ from examples import in_soak, rows_in_soak
 from ross_payload.audio.audio_files import write_wav
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.stft import Stft
-from ross_payload.evaluation.takes import Take, lag_of, paired, placed
+from ross_payload.evaluation.takes import Take, lag_of, paired, placed, read_take
 from ross_payload.separation.auto_separator import separator as auto
 from ross_payload.separation.local_gaussian_model import separator as gaussian
 from ross_sim.study.mixtures import FRAME, HOP, RATE, aligned_heading, record, scene_of
@@ -256,7 +256,9 @@ BAD = {
     "one per microphone, got 3": lambda folder: wav(folder, np.column_stack([stereo(1), stereo(2)[:, 0]])),
     "silent": lambda folder: wav(folder, np.zeros((48000, 2))),
     "microphone 2 is silent": lambda folder: wav(folder, stereo(1) * [1, 0]),
+    "microphone 1 is silent": lambda folder: wav(folder, stereo(1) * [0, 1] + [0.1, 0]),  # but for its offset
     "expected finite samples": lambda folder: wav(folder, np.where(np.arange(48000)[:, None] == 5, np.nan, stereo(1))),
+    "got NaN or infinity": lambda folder: wav(folder, stereo(1) + np.where(np.arange(48000)[:, None] == 5, np.inf, 0)),
     "no such file": lambda folder: folder / "odd.wav",
     "expected at least 1 s, got 0.50 s": lambda folder: wav(folder, stereo(1, 0.5)),
     "expected at least 1 s, got 0.00 s": lambda folder: wav(folder, stereo(1, 0)),
@@ -321,3 +323,12 @@ def test_noise_in_the_second_take_limits_the_score_as_the_guide_says(scene, take
     against_noise = best(scored(takes / "a.wav", tmp_path / "noisy.wav", *known(heading)))["si_sdr_db"]
     expected = -10 * np.log10(10 ** (-against_truth / 10) + 10**-1.54)
     assert against_noise == pytest.approx(expected, abs=0.5)
+
+
+def test_a_constant_offset_of_a_recording_is_not_evaluated(tmp_path):
+    sound = 0.05 * np.random.default_rng(4).standard_normal((2, RATE))
+    sound -= sound.mean(axis=1, keepdims=True)
+    write_wav(tmp_path / "plain.wav", sound, RATE)
+    write_wav(tmp_path / "offset.wav", sound + np.array([[0.2], [-0.1]]), RATE)
+    plain, offset = (read_take(tmp_path / f"{name}.wav").samples for name in ("plain", "offset"))
+    assert offset == pytest.approx(plain, abs=2**-22)
