@@ -66,8 +66,8 @@ def tolerances() -> list[str]:
 
 def tables() -> str:
     """All tables, each behind its heading."""
-    parts = ["## The faults\n", *faults(), "## Who notices what\n", *detections()]
-    return "\n".join([*parts, "## How exactly limits and caps are kept\n", EXACTLY, *tolerances()])
+    parts = ["## The faults\n", *faults(), "## Which component detects which fault\n", *detections()]
+    return "\n".join([*parts, "## Accuracy of limits and caps\n", EXACTLY, *tolerances()])
 
 
 if __name__ == "__main__":
