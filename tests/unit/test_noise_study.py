@@ -15,6 +15,7 @@ from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings, scene
 from ross_sim.study.noise_study import SHORT, Design, conduct_noise, tonal_of
 from ross_sim.study.row_files import read_rows
+from ross_sim.study.row_manifest import RECORDED, claim
 
 VOICES = [np.random.default_rng(n).standard_normal(4 * RATE).astype(np.float32) for n in range(3)]
 
@@ -116,7 +117,7 @@ def cases(monkeypatch):
 
     asked_until = [0]
     monkeypatch.setattr(noise_study, "scene", lambda *about, **more: None)
-    monkeypatch.setattr(noise_study, "separated", lambda row, *about: [replace(row, target=0)])
+    monkeypatch.setattr(noise_study, "separated", lambda row, *_: [replace(row, target=each) for each in range(row.k)])
     monkeypatch.setattr(noise_study, "explored", explored)
     return asked, asked_until
 
@@ -135,7 +136,7 @@ def test_a_study_that_was_stopped_goes_on_and_has_the_rows_of_one_done_at_once(t
     until[0] = len(asked) + 4
     with pytest.raises(KeyboardInterrupt):
         conduct_noise(DESIGN, out=tmp_path / "out", speech=speech, noise=None)
-    assert len(read_rows(tmp_path / "out" / "rows.csv", [NoiseRow])[1]) == 2 * 3
+    assert len(read_rows(tmp_path / "out" / "rows.csv", [NoiseRow])[1]) == 2 + 2 + 3  # explored, and every target
     asked.clear()
     assert conduct_noise(DESIGN, out=tmp_path / "out", speech=speech, noise=None) == 0
     assert asked == every[3:]
@@ -143,12 +144,38 @@ def test_a_study_that_was_stopped_goes_on_and_has_the_rows_of_one_done_at_once(t
         assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 
 
-def test_another_study_is_refused_and_the_rows_stay(tmp_path, speech, cases):
+def test_rows_of_other_noise_ratios_and_parts_are_added_and_none_is_measured_twice(tmp_path, speech, cases):
+    asked, _ = cases
+    only = replace(DESIGN, separate=False)
+    conduct_noise(only, out=tmp_path / "out", speech=speech, noise=None)
+    explored = read_rows(tmp_path / "out" / "rows.csv", [NoiseRow])[1]
+    conduct_noise(replace(only, snrs=(*DESIGN.snrs, -5.0), kinds=(*DESIGN.kinds, "wind")), out=tmp_path / "out",
+                  speech=speech, noise=None)  # fmt: skip
+    assert len(asked) == 4 * len(explored)
+    conduct_noise(DESIGN, out=tmp_path / "out", speech=speech, noise=None)
+    assert len(asked) == 4 * len(explored)  # what was explored is only separated now
+    every = read_rows(tmp_path / "out" / "rows.csv", [NoiseRow])[1]
+    assert every[: len(explored)] == explored
+    assert len(set(every)) == len(every) == 4 * len(explored) + 2 * (1 + 2 + 3)
+
+
+def test_rows_of_another_separator_are_refused_and_those_there_stay(tmp_path, speech, cases):
     conduct_noise(DESIGN, out=tmp_path / "out", speech=speech, noise=None)
     before = (tmp_path / "out" / "rows.csv").read_bytes()
-    with pytest.raises(ConfigError, match=r"holds rows of another study \(snrs is 0.0, not -5.0\)"):
-        conduct_noise(replace(DESIGN, snrs=(-5.0,)), out=tmp_path / "out", speech=speech, noise=None)
+    with pytest.raises(ConfigError, match="holds rows of another study"):
+        conduct_noise(replace(DESIGN, separator="duet"), out=tmp_path / "out", speech=speech, noise=None)
     assert (tmp_path / "out" / "rows.csv").read_bytes() == before
+
+
+def test_recordings_of_noise_may_come_later_but_not_others(tmp_path):
+    rows, wanted = tmp_path / "rows.csv", {"voices": "a"}
+    claim(rows, wanted, later=(RECORDED,))
+    rows.write_text("rows")
+    claim(rows, wanted | {RECORDED: "one"}, later=(RECORDED,))
+    claim(rows, wanted, later=(RECORDED,))  # of made noise again
+    claim(rows, wanted | {RECORDED: "one"}, later=(RECORDED,))
+    with pytest.raises(ConfigError, match="holds rows of another study"):
+        claim(rows, wanted | {RECORDED: "other"}, later=(RECORDED,))
 
 
 @pytest.mark.parametrize(

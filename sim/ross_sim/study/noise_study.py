@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
 
@@ -51,7 +51,7 @@ from ross_sim.study.noise_scenes import (
 )
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.row_manifest import basis_in_noise, claim
+from ross_sim.study.row_manifest import RECORDED, basis_in_noise, claim
 from ross_sim.study.talker_placement import standard_voices
 
 RUN = 10.0  # [s]
@@ -79,18 +79,21 @@ class Design:
 def rows(
     design: Design, voices: Sequence[Samples], clips: Sequence[Samples], done: Sequence[NoiseRow] = ()
 ) -> Iterator[list[NoiseRow]]:
-    """Measure everything that is not ``done``: all rows of one scene and model at a time."""
-    there = {_case(row) for row in done}
+    """Measure everything that is not ``done``: all that is left of one scene and model at a time."""
+    there = {(*_case(row), row.target) for row in done}
     places = product(design.kinds, design.snrs, design.seeds, TALKERS, range(design.layouts))
     for kind, snr, seed, k, layout in places:
         blanks = [NoiseRow(kind, model, snr, k, layout, seed) for model in design.models]
-        left = [row for row in blanks if _case(row) not in there]
-        if not left:
+        explore = [row for row in blanks if design.explore and (*_case(row), None) not in there]
+        separate = [row for row in blanks if design.separate and (*_case(row), k - 1) not in there]
+        if not (explore or separate):
             continue
         made = scene(k, snr, kind, voices, clips=clips, key=[seed, k, layout])
-        for row in left:
-            found = [explored(row, made)] if design.explore else []
-            yield [*found, *(separated(row, made, clips, design.separator) if design.separate else ())]
+        for row in blanks:
+            found = [explored(row, made)] if row in explore else []
+            new = [*found, *(separated(row, made, clips, design.separator) if row in separate else ())]
+            if new:
+                yield new
 
 
 def _case(row: NoiseRow) -> tuple[object, ...]:
@@ -221,21 +224,22 @@ def _scene(
 
 
 def conduct_noise(design: Design, *, out: Path, speech: Path, noise: Path | None) -> int:
-    """Measure what is left, write ``rows.csv`` and ``table.md`` into ``out``, and print the table.
+    """Measure what ``out`` lacks, add it to its ``rows.csv``, write its ``table.md``, and print the table.
 
     Raises
     ------
     ConfigError
         When a folder or the separator cannot be used, there are no recordings of noise that is recorded, or ``out``
-        holds the rows of another study.
+        holds rows of other talkers, recordings or another separator.
     OutputError
         When a file cannot be written.
     """
     talkers = standard_voices(speech, RATE, max(TALKERS))
     voices, clips = [voice.speech for voice in talkers], [] if noise is None else recordings(noise)
-    path, asked = out / "rows.csv", asdict(design)
-    wanted = basis_in_noise(asked, talkers, clips, asked.pop("separator"))
-    claim(path, wanted)
+    path, wanted = out / "rows.csv", basis_in_noise({}, talkers, clips, design.separator)
+    if "recorded" not in design.kinds:
+        del wanted[RECORDED]
+    claim(path, wanted, later=(RECORDED,))
     found: list[NoiseRow] = read_rows(path, [NoiseRow])[1] if path.exists() else []
     with threadpool_limits(1):
         for new in rows(design, voices, clips, found):

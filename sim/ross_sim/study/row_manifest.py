@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from ross_sim.study.study_store import FINGERPRINTED, Code, basis_of, difference
 from ross_sim.study.talker_placement import heard_as
 from ross_sim.talkers.speech import TalkerVoice
 
+RECORDED = "recorded noise"  # what its recordings stand under
 CODE: Code = {  # behind the rows of studies in noise
     ross_payload: (*FINGERPRINTED[ross_payload], "mission/align.py"),
     ross_sim: ("acoustics/*.py", "noise_tables.py", "scenario.py", "talkers/speech.py"),
@@ -41,7 +42,7 @@ def basis_in_noise(
     load_separator(separator)
     noise = hashlib.sha256(b"".join(clip.tobytes() for clip in clips)).hexdigest()[:16] if clips else None
     own = basis_of(heard_as(voices), CODE, [("ross_payload.separators", separator)])
-    return {"asked": {**asked, "separator": separator}, "recorded noise": noise} | own
+    return {"asked": {**asked, "separator": separator}, RECORDED: noise} | own
 
 
 def manifest_of(rows: Path) -> Path:
@@ -49,8 +50,17 @@ def manifest_of(rows: Path) -> Path:
     return rows.with_name(f"{rows.name}.json")
 
 
-def claim(rows: Path, wanted: dict[str, Any]) -> None:
+def claim(rows: Path, wanted: dict[str, Any], later: Collection[str] = ()) -> None:
     """Take a file for rows that depend on ``wanted``; write down beside it that they do.
+
+    Parameters
+    ----------
+    rows
+        The file.
+    wanted
+        What its rows depend on.
+    later
+        Names in ``wanted`` that only some rows depend on: those before may know nothing of them.
 
     Raises
     ------
@@ -60,19 +70,22 @@ def claim(rows: Path, wanted: dict[str, Any]) -> None:
         When it cannot be written.
     """
     expect_writable(rows)
-    path = manifest_of(rows)
-    if not rows.exists():
-        with refused_as(OutputError, f"{path}: cannot be written"):
-            rows.parent.mkdir(parents=True, exist_ok=True)
-            with replacing(path) as part:
-                part.write_text(json_text(wanted), encoding="utf-8")
-        return
-    try:
-        found = parsed_json(read_bounded(path))
-    except (OSError, ValueError) as error:
-        raise ConfigError(
-            f"--out {rows}: holds rows, but {path.name} beside it cannot be read; choose another"
-        ) from error
-    other = difference(found, json.loads(json_text(wanted)))
-    if other:
-        raise ConfigError(f"--out {rows}: holds rows of another study ({other}); choose another")
+    path, found = manifest_of(rows), dict[str, Any]()
+    if rows.exists():
+        try:
+            found = parsed_json(read_bounded(path))
+        except (OSError, ValueError) as error:
+            raise ConfigError(
+                f"--out {rows}: holds rows, but {path.name} beside it cannot be read; choose another"
+            ) from error
+        known = {name: found[name] for name in later if name in found}
+        added = {name: wanted[name] for name in later if name in wanted and name not in found}
+        other = difference(found | added, json.loads(json_text(known | wanted)))
+        if other:
+            raise ConfigError(f"--out {rows}: holds rows of another study ({other}); choose another")
+        if not added:
+            return
+    with refused_as(OutputError, f"{path}: cannot be written"):
+        rows.parent.mkdir(parents=True, exist_ok=True)
+        with replacing(path) as part:
+            part.write_text(json_text(found | wanted), encoding="utf-8")
