@@ -21,10 +21,22 @@ ROOT = Path(__file__).parents[2]
     ("script", "page"), [("tables", "configuration"), ("faults", "actuator-faults"), ("rest", "rest")]
 )
 def test_a_generated_page_says_what_the_code_says(script, page):
-    spec = importlib.util.spec_from_file_location(script, ROOT / "docs" / f"{script}.py")
+    assert script_of(script).tables() in (ROOT / "docs" / "reference" / f"{page}.md").read_text(encoding="utf-8")
+
+
+def test_levels_above_talkers_are_those_that_are_calculated():
+    text = (ROOT / "docs" / "explanation" / "how-loud-may-the-drone-be.md").read_text(encoding="utf-8")
+    tables = script_of("levels").tables()
+    assert len(tables) == text.count("<!-- calculated by docs/levels.py") == 2
+    assert all(table in text for table in tables)
+
+
+def script_of(name):
+    """A script of the manual."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "docs" / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    assert module.tables() in (ROOT / "docs" / "reference" / f"{page}.md").read_text(encoding="utf-8")
+    return module
 
 
 def test_every_option_of_a_vehicle_that_yaws_is_told_with_its_default():
