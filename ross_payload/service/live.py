@@ -60,7 +60,7 @@ def live(config: Config) -> int:
     with ExitStack() as stack:
         stack.enter_context(logging_to(sys.stderr, config.service.log_level, config.service.log_format))
         stack.enter_context(owned(state_folder(config)))
-        stack.enter_context(computing())
+        stack.enter_context(computing(threads=1))  # the mission has a thread of its own
         sys.setswitchinterval(SWITCH_INTERVAL_S)
         clock, manager = SystemClock(), Manager.of()
         watchdog = Watchdog(manager, clock, {MISSION: COMPUTE_LIMIT * config.audio.buffer_s})
@@ -169,7 +169,7 @@ def _run(runner: Runner, manager: Manager) -> None:
 
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission, on_signal(shut_down):
         try:
-            result = hearing_signals(mission.submit(runner.run))
+            result = hearing_signals(mission.submit(computing()(runner.run)))
         except AudioEnded as ended:
             log.info("%s", ended)
         except OSError as error:  # nobody's input any more

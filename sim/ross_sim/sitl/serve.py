@@ -77,7 +77,7 @@ def serve(
         Record from start to end, not only on request.
     """
     scenario = _adapted(scenario, company, always=always)
-    with ExitStack() as stack, computing():
+    with ExitStack() as stack, computing(threads=1):  # the mission has a thread of its own
         cast, asked = scenario.cast(company.voices), ListenedSpeed(speed)
         far_end, simulated = scenario.far_end(), SimClock()
         clock = RealTimeClock(simulated, asked, scenario.payload.audio.buffer_s / 2) if speed else simulated
@@ -107,7 +107,7 @@ def _run(runner: Runner) -> None:
         ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission,
         on_signal(lambda _: runner.order(Shutdown())),
     ):
-        hearing_signals(mission.submit(runner.run))
+        hearing_signals(mission.submit(computing()(runner.run)))
 
 
 class MissionProgress(MissionView):
