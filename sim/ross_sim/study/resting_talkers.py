@@ -21,7 +21,7 @@ import numpy as np
 from ross_payload.alignment.predicted_gain import best_headings
 from ross_payload.angles import difference, wrap
 from ross_payload.dsp.noise import quiet_psd
-from ross_payload.dsp.stft import Stft
+from ross_payload.dsp.stft import short_frames
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Real, Samples
 from ross_payload.localization import tracking
@@ -38,7 +38,7 @@ from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.talkers.synthetic_voices import voices_of
 
 RATE = 16000  # [Hz]
-STFT = Stft(RATE, 1024, 256)
+STFT = short_frames(RATE)  # as the payload tracks
 SECONDS, LEAD_IN = 16.0, 2  # heard, and noise alone before that [s]
 TOLD = {"S1": (1.0, 0.3), "S2": (0.953, 0.4), "A0.3": (0.85, 0.8), "A0.45": (0.8, 1.0), "B0.45": (0.68, 2.0)}
 KS = ("1", "2", "3", "4", "5")
