@@ -14,7 +14,6 @@ from ross_payload.actuators.registry import open_actuator
 from ross_payload.audio.open_source import open_source
 from ross_payload.calibration.cross_spectrum import HeadingSpectrum
 from ross_payload.clock import SystemClock, synchronised_time
-from ross_payload.computing import computing
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault, ConfigError, NotHomed
 from ross_payload.events import Outcome
@@ -79,7 +78,7 @@ def turned(rig: Rig, config: Config, plan: TurnPlan, observers: tuple[Observer, 
     runner.observers = list(observers)
     cancel = rig.clock.every(POLL_PERIOD_S, runner.poll)
     try:
-        with computing(), on_signal(lambda _: runner.order(Stop())):
+        with on_signal(lambda _: runner.order(Stop())):
             result = runner.run()
     finally:
         cancel()

@@ -29,7 +29,7 @@ HOPS_PER_S = 100  # [1/s]
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """Seconds of this computer per second of audio, on one core."""
+    """Seconds of this computer per second of audio."""
 
     exploring: float
     separating: float
@@ -103,7 +103,7 @@ def voices(config: Config, heading: float, seconds: float) -> Samples:
 
 
 def _judged(what: str, cost: float, seconds: float) -> Finding:
-    found = f"{cost:.2g} s per second of audio, {cost * seconds:.2g} s for {seconds:g} s, on one core"
+    found = f"{cost:.2g} s per second of audio, {cost * seconds:.2g} s for {seconds:g} s"
     if cost <= 1.0:
         return ok(what, found)
     todo = "it blocks everything else: use a faster computer, a cheaper method or a lower audio.rate_hz"

@@ -12,6 +12,7 @@ from queue import SimpleQueue
 from typing import Protocol
 
 from ross_payload.actuators.guard import Guard
+from ross_payload.computing import computing
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorError
 from ross_payload.events import Event
@@ -153,7 +154,13 @@ class Runner:
         return Pointing(end, joint, attitude.yaw, offset, earth=attitude.known), self._history.settled(begin, end)
 
     def run(self) -> Result:
-        """Run the mission to its end and the actuator to rest."""
+        """Run the mission to its end and the actuator to rest, `computing` on the thread that calls this."""
+        with computing():
+            result = self._run()
+        self._rest()
+        return result
+
+    def _run(self) -> Result:
         output = next(self._mission)
         try:
             while True:
@@ -165,11 +172,10 @@ class Runner:
                 output = self._mission.send(hop)
         except StopIteration as end:
             result: Result = end.value
+            return result
         except BaseException:
             self._actuator.stop()
             raise
-        self._rest()
-        return result
 
     def _listen(self, goal: float | None) -> Input:
         block = self._source.read(self._hop)

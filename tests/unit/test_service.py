@@ -1,13 +1,16 @@
 """The runner between a mission and the things that hear and turn."""
 
 import math
+import threading
 from collections import deque
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ross_payload.actuators.registry import open_actuator
+from ross_payload.computing import computing, on_threads
 from ross_payload.config import Config
 from ross_payload.events import Event, Outcome
 from ross_payload.interfaces import AudioBlock, Output, Result, Services
@@ -174,6 +177,25 @@ def test_what_ends_a_turn_decelerates_though_the_mission_computes(bench, order, 
     assert recorder.inputs[299].pointing.joint < 1.0
     assert (result.outcome is Outcome.FAULT) == latches
     assert (far_end.angle() == pytest.approx(0.2, abs=1e-3)) == (not latches)
+
+
+def test_a_mission_computes_on_two_threads_whatever_thread_it_runs_on(bench, monkeypatch):
+    monkeypatch.setattr("ross_payload.computing.cores", lambda: 2)
+    meet, names = threading.Barrier(2, timeout=10), set[str]()
+
+    def compute(_):
+        meet.wait()
+        names.add(threading.current_thread().name)
+
+    def separates():
+        yield Output()
+        on_threads(compute, range(2))
+        return Result(Outcome.COMPLETED, "")
+
+    runner, _, _ = bench(separates())
+    with computing(), ThreadPoolExecutor(1, thread_name_prefix="mission") as mission:  # as ross run does
+        assert mission.submit(runner.run).result().outcome is Outcome.COMPLETED
+    assert len(names) == 2
 
 
 def test_a_goal_outside_the_limits_is_a_fault_and_no_motion(bench):
