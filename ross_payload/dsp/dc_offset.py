@@ -7,7 +7,7 @@ import numpy as np
 from ross_payload.interfaces import Samples
 
 LEAST = 0.1  # of the RMS: the mean of a sound that lasts is smaller
-LASTING_S = 2.0  # of a stream, from which its mean tells
+LASTING_S = 2.0  # of a stream, from which its mean tells; after a half of it the mean has to be twice as large
 AVERAGED_S = 4.0  # time constant of the mean of a stream
 
 
@@ -35,9 +35,9 @@ class OffsetFilter:
     n_channels
         Of the samples.
 
-    >>> offset_filter, hop = OffsetFilter(16000, 1), np.full((1, 16000), 0.5, np.float32)
-    >>> [float(offset_filter.push(hop)[0, -1]) for _ in range(3)]
-    [0.5, 0.0, 0.0]
+    >>> offset_filter, hop = OffsetFilter(16000, 1), np.full((1, 1600), 0.5, np.float32)
+    >>> [float(offset_filter.push(hop)[0, -1]) for _ in range(4)]
+    [0.5, 0.5, 0.0, 0.0]
     """
 
     def __init__(self, rate: int, n_channels: int) -> None:
@@ -56,8 +56,8 @@ class OffsetFilter:
         weight = n / min(self._heard, AVERAGED_S * self._rate)
         self._mean += min(weight, 1.0) * (samples.mean(axis=-1, dtype=np.float64) - self._mean)
         self._power += min(weight, 1.0) * (np.mean(np.square(samples, dtype=np.float64), axis=-1) - self._power)
-        if self._heard >= LASTING_S * self._rate:
-            self._found |= self._mean**2 > LEAST**2 * self._power
+        least = LEAST * max(LASTING_S * self._rate / self._heard, 1.0)  # of the RMS
+        self._found |= self._mean**2 > least**2 * self._power
         before, self._offset = self._offset, np.where(self._found, self._mean, 0.0)
         if not self._found.any():
             return samples

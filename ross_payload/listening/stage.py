@@ -17,7 +17,7 @@ from ross_payload.config import Config
 from ross_payload.dsp.dc_offset import OffsetFilter
 from ross_payload.dsp.streaming_stft import StreamingAnalysis, transform_for
 from ross_payload.events import Event
-from ross_payload.interfaces import AudioBlock, Clock, Complex, Groups
+from ross_payload.interfaces import AudioBlock, AudioFlag, Clock, Complex, Groups
 from ross_payload.listening.scene_tracker import SceneTracker
 from ross_payload.listening.sink_runner import SinkRunner
 from ross_payload.listening.stream import Portion, Stream, StreamSettings, resting
@@ -113,7 +113,8 @@ class ListeningStage:
     def hear(self, block: AudioBlock, pointing: Pointing, *, settled: bool) -> None:
         """Take the next hop (2, n), and where the array pointed after it."""
         self._open_or_close()
-        samples = self._offset_filter.push(block.samples)
+        missing = block.flags & AudioFlag.MISSING  # zeros know no offset
+        samples = block.samples if missing else self._offset_filter.push(block.samples)
         if not self._streams:
             self._next = -1
             return

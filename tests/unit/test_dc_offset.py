@@ -44,6 +44,11 @@ def test_the_offset_of_a_stream_goes_without_a_step_in_the_channel_that_has_one(
     assert np.abs(np.diff(heard[0] - sound[0])).max() < 1.1 * 0.1 / hop
 
 
+def test_an_offset_that_is_louder_than_the_rest_goes_before_the_lead_in_is_over():
+    sound = 0.01 * np.random.default_rng(4).standard_normal((1, 16000)).astype(np.float32)
+    assert passed(sound + np.float32(0.1))[0, 5000:].mean() == pytest.approx(0, abs=1e-3)
+
+
 def test_a_tone_stays_when_an_offset_drifts_away() -> None:
     tone = 0.1 * np.sin(2 * np.pi * 100 / 16000 * np.arange(480000)).astype(np.float32)
     offset = np.interp(np.arange(480000), [0, 160000, 160001], [0.2, 0.2, 0.0]).astype(np.float32)

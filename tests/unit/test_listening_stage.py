@@ -12,6 +12,8 @@ from ross_payload.events import (
     State,
     StateChanged,
 )
+from ross_payload.interfaces import AudioBlock, AudioFlag
+from ross_payload.pointing import Pointing
 
 
 def test_the_mixture_comes_out_sample_by_sample_where_it_was():
@@ -33,6 +35,19 @@ def test_an_offset_of_the_microphones_is_not_listened_to():
     bench.hear(4.0)
     for kept in bench.kept.values():
         assert abs(kept.samples[-RATE:].mean()) < 2e-3
+
+
+def test_the_offset_is_known_after_a_gap():
+    bench = Bench({0: MIXTURE}, lambda index: noise(index) + 0.3)
+    bench.hear(4.0)
+    for time in range(3):
+        zeros = np.zeros((2, RATE), np.float32)
+        block = AudioBlock(zeros, bench.index, 9.0 + time, flags=AudioFlag.MISSING)
+        bench.stage.hear(block, Pointing(), settled=True)
+        bench.index += RATE
+    bench.hear(1.0)
+    assert abs(bench.kept[0].samples[4 * RATE : 7 * RATE].mean()) < 2e-3
+    assert abs(bench.kept[0].samples[7 * RATE :].mean()) < 2e-3
 
 
 def test_a_voice_has_the_index_that_it_has_in_the_mixture():
