@@ -16,6 +16,7 @@ from ross_payload.interfaces import Quality, Real
 SLOPE = 1.37  # of the SI-SDR over the ratio, both in dB
 OFFSET = -1.55  # [dB]
 LEAST = 1e-12
+FINEST = 1e-6  # of a power, below which single precision does not tell what a difference is
 
 
 def si_sdr(estimate: Real, reference: Real) -> float:
@@ -82,8 +83,9 @@ def qualities(psds: Real, covariances: Real, bonus: float = 0.0) -> tuple[Qualit
     powers = psds * covariances[:, :, :1]
     prior = powers.sum(axis=(0, 2), dtype=float)
     kept = (psds[:, :-1] ** 2 * explained).sum(axis=(0, 2), dtype=float)
-    kept = np.maximum(np.nan_to_num(kept, nan=0.0, posinf=0.0, neginf=0.0), 0.0)  # of what has no inverse nothing
-    missed = np.maximum(prior[:-1] - kept, LEAST)
+    kept = np.nan_to_num(kept, nan=0.0, posinf=0.0, neginf=0.0)  # of what has no inverse nothing
+    kept = np.clip(kept, 0.0, prior[:-1])
+    missed = np.maximum(prior[:-1] - kept, FINEST * prior[:-1] + LEAST)
     ratio = _db(kept / missed)
     heard = _db(prior[:-1] / np.maximum(prior.sum() - prior[:-1], LEAST))
     clean = SLOPE * ratio + OFFSET + bonus
