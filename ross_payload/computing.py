@@ -18,7 +18,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from typing import TypeVar
 
@@ -81,7 +81,8 @@ def cores() -> int:
 def on_threads(compute: Callable[[Part], object], parts: Iterable[Part]) -> None:
     """Call ``compute`` with every part, in any order, some on the second thread of `computing`, and wait for all.
 
-    No part may need what another one writes. The first error is raised; parts that were not begun by then never are.
+    No part may need what another one writes. An error is raised, that of the calling thread if both fail; parts that
+    were not begun by then never are.
     """
     todo = deque(parts)
 
@@ -111,9 +112,12 @@ def on_threads(compute: Callable[[Part], object], parts: Iterable[Part]) -> None
     helping = _threads.second.submit(help_out)
     try:
         work()
-    finally:
+    except BaseException:  # Ctrl-C, too
         if not helping.cancel():
-            _threads.spent += helping.result()
+            wait([helping])
+        raise
+    if not helping.cancel():
+        _threads.spent += helping.result()
 
 
 def cpu_time() -> float:

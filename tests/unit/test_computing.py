@@ -15,6 +15,7 @@ from ross_payload.events import Outcome
 from ross_payload.interfaces import Result, Scene
 from ross_payload.notify import Manager
 from ross_payload.separation.refined import Refined
+from ross_payload.separation.refiner_features import trained_for
 from ross_payload.service import live
 from ross_sim.sitl import serve
 
@@ -147,6 +148,19 @@ def test_the_first_error_ends_it_and_is_raised(fails: int) -> None:
     assert len(begun) == after
 
 
+def test_ctrl_c_is_not_lost_to_an_error_of_the_second_thread() -> None:
+    meet, caller = threading.Barrier(2, timeout=10), threading.current_thread()
+
+    def compute(_: int) -> None:
+        meet.wait()
+        if threading.current_thread() is caller:
+            raise KeyboardInterrupt
+        raise ZeroDivisionError
+
+    with computing(threads=2), pytest.raises(KeyboardInterrupt):
+        on_threads(compute, range(2))
+
+
 def test_what_numpy_says_of_errors_is_the_same_on_both_threads() -> None:
     meet, told = threading.Barrier(2, timeout=10), list[str]()
 
@@ -176,8 +190,9 @@ def test_the_time_of_the_second_thread_counts() -> None:
 
 def test_two_threads_separate_to_the_last_bit_as_one_does() -> None:
     rng = np.random.default_rng(3)
-    frequencies = np.arange(257) * 31.25
-    shape = (2, 257, 700)  # several parts of every loop
+    frequencies = np.arange(1025) * 7.8125
+    assert trained_for(frequencies)
+    shape = (2, 1025, 60)  # several parts of every loop
     spectrogram = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
     scene = Scene(frequencies, 0.05, 343.0, 2, tau=np.array([-1e-4, 1e-4]))
     with computing(threads=1):
