@@ -12,6 +12,7 @@ one is mostly at hand.
 from __future__ import annotations
 
 import ctypes
+import math
 import os
 import sys
 import threading
@@ -20,6 +21,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -72,10 +74,37 @@ def computing(threads: int | None = None) -> Iterator[None]:
 
 
 def cores() -> int:
-    """Return how many cores this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+    """Return how many cores this process may use, at least 1."""
+    found = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return max(int(min(found, quota())), 1)
+
+
+def quota(root: Path = Path("/")) -> float:
+    """Return how many cores' time the control groups of this process may take, inf: all.
+
+    Two threads would take that of one core in half of each period, and then all threads would wait for the next one,
+    the pump, too. See cpu.max in cgroup-v2.rst of the kernel; ``root`` is that of the file system.
+    """
+    try:
+        groups = (root / "proc/self/cgroup").read_text()
+    except OSError:  # not Linux
+        return math.inf
+    top, least = root / "sys/fs/cgroup", math.inf
+    for path in (line.removeprefix("0::/") for line in groups.splitlines() if line.startswith("0::/")):
+        group = top / path
+        for folder in (group, *group.parents):
+            if folder.is_relative_to(top):
+                least = min(least, _share(folder / "cpu.max"))
+    return least
+
+
+def _share(limit: Path) -> float:
+    """Return what a file ``cpu.max`` allows [cores]: "MAX PERIOD" or "max PERIOD"; the root has none."""
+    try:
+        most, period = limit.read_text().split()
+        return math.inf if most == "max" else int(most) / int(period)
+    except (OSError, ValueError, ZeroDivisionError):
+        return math.inf
 
 
 def on_threads(compute: Callable[[Part], object], parts: Iterable[Part]) -> None:

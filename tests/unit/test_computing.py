@@ -1,16 +1,18 @@
 """Memory that was freed is used again as it is, in small pages; BLAS computes on one thread, the hearing on two."""
 
+import math
 import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
 from ross_payload import computing as computing_module
-from ross_payload.computing import computing, cpu_time, keep_memory, on_threads, small_pages
+from ross_payload.computing import computing, cpu_time, keep_memory, on_threads, quota, small_pages
 from ross_payload.events import Outcome
 from ross_payload.interfaces import Result, Scene
 from ross_payload.notify import Manager
@@ -115,6 +117,28 @@ def test_without_a_second_thread_parts_are_computed_one_after_the_other() -> Non
     with computing(threads=1), computing(threads=2):  # the outer one decides
         on_threads(compute, range(3))
     assert names == 2 * wanted
+
+
+@pytest.mark.parametrize(
+    ("outer", "inner", "cores"),
+    [("max 100000", "100000 100000", 1), ("150000 100000", "max 100000", 1.5), ("max 100000", "max 100000", math.inf)],
+)
+def test_a_second_thread_needs_the_time_of_a_second_core(tmp_path: Path, outer: str, inner: str, cores: float) -> None:
+    group = tmp_path / "sys/fs/cgroup/machine/payload"
+    group.mkdir(parents=True)
+    (tmp_path / "proc/self").mkdir(parents=True)
+    (tmp_path / "proc/self/cgroup").write_text("1:cpu:/elsewhere\n0::/machine/payload\n")
+    (group / "cpu.max").write_text(f"{inner}\n")
+    (group.parent / "cpu.max").write_text(f"{outer}\n")
+    assert quota(tmp_path) == cores
+
+
+@pytest.mark.parametrize("groups", [None, "", "0::/\n", "0::/../away\n"])
+def test_without_control_groups_nothing_is_limited(tmp_path: Path, groups: str | None) -> None:
+    if groups is not None:
+        (tmp_path / "proc/self").mkdir(parents=True)
+        (tmp_path / "proc/self/cgroup").write_text(groups)
+    assert quota(tmp_path) == math.inf
 
 
 def test_another_thread_computes_alone() -> None:
