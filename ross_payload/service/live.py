@@ -169,7 +169,7 @@ def _run(runner: Runner, manager: Manager) -> None:
 
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission, on_signal(shut_down):
         try:
-            result = hearing_signals(mission.submit(computing()(runner.run)))
+            result = hearing_signals(mission.submit(runner.run))
         except AudioEnded as ended:
             log.info("%s", ended)
         except OSError as error:  # nobody's input any more

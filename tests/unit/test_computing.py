@@ -11,15 +11,10 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
-from ross_payload import computing as computing_module
 from ross_payload.computing import computing, cpu_time, keep_memory, on_threads, quota, small_pages
-from ross_payload.events import Outcome
-from ross_payload.interfaces import Result, Scene
-from ross_payload.notify import Manager
+from ross_payload.interfaces import Scene
 from ross_payload.separation.refined import Refined
 from ross_payload.separation.refiner_features import trained_for
-from ross_payload.service import live
-from ross_sim.sitl import serve
 
 FAULTS = """
 import resource
@@ -84,26 +79,6 @@ def test_every_part_is_computed_once_on_both_threads() -> None:
         on_threads(compute, range(20))
     assert sorted(part for part, _ in seen) == list(range(20))
     assert len({name for _, name in seen}) == 2
-
-
-@pytest.mark.parametrize("run", [lambda runner: live._run(runner, Manager("")), serve._run], ids=["run", "serve"])
-def test_the_mission_of_a_payload_that_lives_has_a_second_thread(run, monkeypatch: pytest.MonkeyPatch) -> None:
-    names: set[str] = set()
-    meet = threading.Barrier(2, timeout=10)
-
-    def compute(_: int) -> None:
-        meet.wait()
-        names.add(threading.current_thread().name.rpartition("_")[0])
-
-    class Runner:
-        def run(self) -> Result:
-            on_threads(compute, range(2))
-            return Result(Outcome.COMPLETED, "over")
-
-    monkeypatch.setattr(computing_module, "cores", lambda: 2)
-    with computing(threads=1):
-        run(Runner())
-    assert names == {"mission", "computing"}
 
 
 def test_without_a_second_thread_parts_are_computed_one_after_the_other() -> None:

@@ -107,7 +107,7 @@ def _run(runner: Runner) -> None:
         ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission,
         on_signal(lambda _: runner.order(Shutdown())),
     ):
-        hearing_signals(mission.submit(computing()(runner.run)))
+        hearing_signals(mission.submit(runner.run))
 
 
 class MissionProgress(MissionView):
