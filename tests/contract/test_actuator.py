@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -353,6 +354,24 @@ def test_closing_decelerates_also_when_a_periodic_call_of_somebody_else_has_fail
     rig.clock.sleep(3.0)
     assert speed**2 / (2 * ACCELERATION) * 0.9 < rig.far_end.angle() - here < rig.upper - here - 0.5
     assert rig.far_end.complaints() == []
+
+
+def test_closing_ends_also_when_time_stands_still(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a simulation in which a periodic call has failed: its clock does not move on."""
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(1.0)
+    waited = []
+
+    def raise_at_once(duration: float) -> None:
+        waited.append(duration)
+        assert len(waited) < 10, "it waits for ever"
+        raise RuntimeError("a periodic call failed")
+
+    monkeypatch.setattr(rig.clock, "sleep", raise_at_once)
+    with suppress(RuntimeError):
+        rig.actuator.__exit__(None, None, None)
+    monkeypatch.undo()
+    rig.actuator.__exit__(None, None, None)  # it is closed
 
 
 @pytest.mark.on_device
