@@ -93,6 +93,7 @@ class PayloadState:
     information: values.Information | None = None
     status: values.Status | None = None
     status_at: float | None = None  # when it came [s]
+    without_status: float = 0.0  # for how long other messages have come since then [s]
     sources: tuple[values.Source, ...] = ()  # of the latest estimate, by index
     announced: int = 0  # sources that the latest estimate announces, shown or not
     trails: tuple[SourceTrack, ...] = ()

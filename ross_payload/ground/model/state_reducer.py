@@ -30,6 +30,7 @@ REPEATED_US = 86_400_000_000  # [us] before it: what is repeated keeps the time 
 RESTING = (ross.ROSS_STATE_IDLE, ross.ROSS_STATE_DONE, ross.ROSS_STATE_STOPPED, ross.ROSS_STATE_FAULT)
 MIRROR, AZIMUTHS = "ross_", "ross_az"
 STATUS_TIMEOUT_S = 35.0  # [s] beside mirrors without a status: at the lowest TLM_STATUS_HZ three in a row were lost
+SILENCE_S = 5.0  # [s] between two messages, of which no more counts as time without a status: nothing else came, either
 MOST_POINTS = 60  # of a track
 MOST_TRACKS = 64
 TRACK_TIMEOUT_S = 12.0  # that a track stays without going on: a source is sent again every 5 s
@@ -75,14 +76,14 @@ def is_sane(value: values.Value) -> bool:
 
 def learn(known: PayloadState, value: values.Value, at: float) -> PayloadState:
     """Return what is known after a value that came ``at`` a time [s]; `is_sane` values only."""
-    known = replace(known, last=at)
+    known = _heard(known, at)
     match value:
         case values.Status():
             return _status(known, value, at)
         case values.Source():
             return _source(known, value, at)
         case values.Named() | values.Array():
-            return _mirror(known, value, at)
+            return _mirror(known, value)
     if type(value) in LISTS:
         return _listed(known, value, LISTS[type(value)])
     changes: dict[str, Any] = {LATEST[type(value)]: value} if type(value) in LATEST else {}
@@ -91,12 +92,12 @@ def learn(known: PayloadState, value: values.Value, at: float) -> PayloadState:
 
 def with_text(known: PayloadState, text: StatusText) -> PayloadState:
     """Return what is known after a text."""
-    return replace(known, last=text.at, texts=(*known.texts, text)[-MOST_TEXTS:])
+    return replace(_heard(known, text.at), texts=(*known.texts, text)[-MOST_TEXTS:])
 
 
 def with_computer(known: PayloadState, computer: Computer, at: float) -> PayloadState:
     """Return what is known after a report of the payload's computer."""
-    return replace(known, last=at, computer=computer)
+    return replace(_heard(known, at), computer=computer)
 
 
 def flawed(known: PayloadState, flaw: str) -> PayloadState:
@@ -114,6 +115,11 @@ def restarted(known: PayloadState, at: float) -> PayloadState:
     return replace(fresh, texts=known.texts)
 
 
+def _heard(known: PayloadState, at: float) -> PayloadState:
+    between = min(max(at - known.last, 0.0), SILENCE_S)
+    return replace(known, last=at, without_status=known.without_status + between)
+
+
 def _finite(value: Any) -> bool:
     if isinstance(value, float):
         return math.isfinite(value)
@@ -126,7 +132,7 @@ def _status(known: PayloadState, status: values.Status, at: float) -> PayloadSta
     if not history or _telling(history[-1], moment):
         history = (*history, moment)[-MOST_MOMENTS:]
     began, ended = _span(known, status)
-    known = replace(known, status=status, status_at=at, history=history, began=began, ended=ended)
+    known = replace(known, status=status, status_at=at, without_status=0.0, history=history, began=began, ended=ended)
     return replace(known, sources=(), announced=0) if status.k == 0 else known  # of no sources none tells
 
 
@@ -206,8 +212,8 @@ def _without_dialect(known: PayloadState) -> PayloadState:
     return replace(fresh, **{name: getattr(known, name) for name in kept})
 
 
-def _mirror(known: PayloadState, named: values.Named | values.Array, at: float) -> PayloadState:
-    if known.status_at is not None and at - known.status_at > STATUS_TIMEOUT_S:
+def _mirror(known: PayloadState, named: values.Named | values.Array) -> PayloadState:
+    if known.status is not None and known.without_status > STATUS_TIMEOUT_S:
         known = _without_dialect(known)
     if isinstance(named, values.Array):
         return replace(known, azimuths=_azimuths(named.numbers)) if named.name == AZIMUTHS else known

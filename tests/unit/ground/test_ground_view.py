@@ -157,16 +157,20 @@ def test_of_two_troubles_both_remedies_are_told():
     assert words == "clipping: lower the gain; microphone 2 is silent: check its wiring"
 
 
-def mirrored(state, at, known):
-    """What is known after a mirror of the state, as it passes an autopilot that passes nothing of our dialect."""
-    return learn(known, v.Named(at, "ross_state", float(state)), at)
+def mirrored(state, until, known):
+    """What is known after mirrors of the state, once a second, as an autopilot passes them, but not our dialect."""
+    while known.last + 1.0 <= until:
+        at = known.last + 1.0
+        known = learn(known, v.Named(at, "ross_state", float(state)), at)
+    return known
 
 
 def test_when_only_mirrors_come_any_longer_what_was_told_before_is_not_shown_as_of_now():
     """The direct link is gone, and the one by way of the autopilot is left."""
     stopped, explores = 8, 3
     known = learn(payload(), replace(status(), state=stopped, mission_time=9.0), 100.0)
-    assert view(mirrored(explores, 134.0, known))["standing"]["state"] == "stopped"
+    known = mirrored(explores, 134.0, known)
+    assert view(known)["standing"]["state"] == "stopped"
     known = mirrored(explores, 136.0, known)
     told = view(known)
     assert (told["standing"]["state"], told["standing"]["mirrors_only"]) == ("explore_listen", True)
@@ -174,3 +178,12 @@ def test_when_only_mirrors_come_any_longer_what_was_told_before_is_not_shown_as_
     assert len(known.history) == 1
     known = learn(known, replace(status(), state=stopped), 137.0)
     assert view(known)["standing"]["state"] == "stopped"
+
+
+def test_a_mirror_that_comes_before_the_status_after_an_outage_changes_nothing():
+    known = learn(payload(), status(k=1, mission_time=9.0), 100.0)
+    known = learn(known, v.Source(0, 1, 0, 1, 0.1, 0.1, 1.0, 1.0, earth=True, resolved=True), 100.1)
+    known = learn(known, v.Named(600.0, "ross_state", 6.0), 600.0)
+    known = learn(known, status(k=1, mission_time=510.0), 600.5)
+    assert len(known.sources) == len(known.trails) == 1
+    assert not view(known)["standing"]["mirrors_only"]
