@@ -279,6 +279,31 @@ def test_control_is_given_back_after_an_outage_of_the_link_in_which_a_task_ended
     assert rig.primary == FREE
 
 
+def test_control_that_was_granted_as_the_link_failed_is_given_back_afterwards(rig):
+    """The autopilot has put the payload in control, and nobody has heard that, nor that it was released."""
+    port = rig.far_end.port
+    send, receive = port.send, port.receive
+    port.receive = lambda: receive()[:0]
+    rig.actuator.command(0.3)
+    rig.clock.sleep(0.2)
+    port.send = lambda message: None
+    rig.clock.sleep(2.5)
+    rig.actuator.release_control()
+    rig.clock.sleep(6.0)
+    assert rig.primary == PAYLOAD
+    port.send, port.receive = send, receive
+    rig.clock.sleep(2.5)
+    assert rig.primary == FREE
+
+
+def test_control_that_a_killed_payload_has_left_behind_is_given_back(rig):
+    rig.far_end.autopilot.take_control(PAYLOAD)
+    assert rig.sent(3.0).count(CONFIGURE) < 3
+    assert rig.primary == FREE
+    rig.clock.sleep(1.0)
+    assert CONFIGURE not in rig.sent(3.0)
+
+
 def test_a_stop_while_idle_brakes_what_a_pilot_turns_and_takes_no_control(released):
     released.point(-90.0)
     released.clock.sleep(0.7)

@@ -74,6 +74,7 @@ class GimbalManagerClient:
     us: ComponentId = NOBODY
     wanted: float | None = None  # since when we want control [s]; None: we do not
     had_control: bool = False  # since then
+    may_have_control: bool = False  # it was asked for, or we were named, and nobody else since
     refused: bool = False  # when we asked for control
     releases: int = 0  # so many times more may we say that we release control
     due_control: float = 0.0  # when to ask who is in control [s]
@@ -93,7 +94,7 @@ class GimbalManagerClient:
         if sender != self.manager:
             return
         if self._has_restarted(packet, now):
-            self.releases = RELEASE_TRIES if self.idle and self.primary == self.us else 0
+            self.releases = RELEASE_TRIES if self.idle and self.may_have_control else 0
             self.primary, self.attitude_queries, self.due_control = None, 0, 0.0
         self.heard_at = now
         if packet.name == "COMMAND_ACK" and message.command == gimbal_messages.CONFIGURE and _is_for(self.us, message):
@@ -102,9 +103,17 @@ class GimbalManagerClient:
             case GimbalTravel() as travel if self.device_id in (0, travel.device_id):
                 self._learn(travel, now)
             case GimbalControl() as control if self.travel and control.device_id == self.device_id:
-                self.primary = control.primary
-                self.had_control = self.had_control or self.ready
-                self.releases = self.releases if self.primary == self.us else 0
+                self._on_control(control.primary)
+
+    def _on_control(self, primary: ComponentId) -> None:
+        """Take in who is in control; if we are, which is news, and with no task, an earlier one has not released it."""
+        news, self.primary = primary != self.primary, primary
+        self.had_control = self.had_control or self.ready
+        self.may_have_control = primary == self.us != NOBODY
+        if not self.may_have_control:
+            self.releases = 0
+        elif self.idle and news:
+            self.releases = RELEASE_TRIES
 
     def _learn(self, travel: GimbalTravel, now: float) -> None:
         if self.travel is None:
@@ -183,12 +192,12 @@ class GimbalManagerClient:
         """Ask for control from ``now`` [s] on, also when it was lost."""
         if self.wanted is None or not self.ready:
             self.primary, self.wanted, self.due_control = None, now, 0.0
-            self.had_control = self.refused = False
+            self.had_control, self.refused, self.may_have_control = False, False, True
 
     def release_control(self) -> None:
         """Give control back, if it is ours or may be."""
         if self.wanted is not None:
-            self.releases = RELEASE_TRIES if self.primary in (self.us, None) else 0
+            self.releases = RELEASE_TRIES if self.may_have_control else 0
             self.wanted, self.had_control, self.due_control = None, False, 0.0
 
     def leave(self) -> list[Any]:
