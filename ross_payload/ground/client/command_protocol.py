@@ -68,6 +68,7 @@ class _OpenCommand:
     doubted: int = 0  # frames that were sent when the first answer came that may be one to an older order of its kind
     cancelling: int = 0  # COMMAND_CANCEL, so often
     over: bool = False  # given up, until something is heard after all
+    overtaken: bool = False  # a later one of its kind that is forgotten by now may have replaced it
 
     @property
     def sure(self) -> bool:
@@ -207,6 +208,8 @@ class CommandProtocol:
                 self._give_up(one, OVERTAKEN)
             elif one.over and one.order.number == order.number:
                 del self._open[one.number]
+                for other in self._alike(one):
+                    other.overtaken = other.overtaken or other.number < one.number
 
     def _resend(self, one: _OpenCommand) -> None:
         """Say it again where that can help; a cancel stands for its order."""
@@ -224,8 +227,8 @@ class CommandProtocol:
 
     def _is_overtaken(self, one: _OpenCommand) -> bool:
         """Whether a later one of its kind may have replaced it: said again, it would be done in the place of that."""
-        alike = (other for other in self._of(one.who) if other.order.number == one.order.number)
-        return one.order.task and any(other.number > one.number for other in alike)
+        later = any(other.number > one.number for other in self._alike(one))
+        return one.order.task and (one.overtaken or later)
 
     def _is_sought(self, one: _OpenCommand) -> bool:
         """Whether it is a stop for somebody who was never heard, but may be any moment: we may have just started."""
@@ -264,7 +267,7 @@ class CommandProtocol:
         elif ENDS[ack.result][0] == REFUSED or heard or not going_on:
             self._is_over(newest, older, ack.result)
         else:
-            self._is_over(going_on[-1], [], ack.result)
+            self._is_over(going_on[-1], going_on[:-1], ack.result)
             newest.trusted = self._trusted(self._peer(who), newest.order)  # the end may come doubled
 
     def _goes_on(self, one: _OpenCommand, progress: float | None, older: list[_OpenCommand]) -> None:
@@ -321,6 +324,9 @@ class CommandProtocol:
 
     def _of(self, who: ComponentId) -> list[_OpenCommand]:
         return [one for one in self._open.values() if one.who == who]
+
+    def _alike(self, one: _OpenCommand) -> list[_OpenCommand]:
+        return [other for other in self._of(one.who) if other.order.number == one.order.number]
 
     def _peer(self, who: ComponentId) -> _Peer:
         return self._peers.setdefault(who, _Peer())

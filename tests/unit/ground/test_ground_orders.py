@@ -221,6 +221,35 @@ def test_what_another_of_its_kind_has_replaced_is_not_asked_for_again(script):
     assert [doing.reason for doing in script.orders.doing] == ["replaced by another command", ""]
 
 
+def test_with_the_end_of_what_may_have_replaced_an_order_that_is_over_too(script):
+    """A third one, which nobody has answered, leaves open which of the two has ended; asked for, it would begin."""
+    for source in range(3):
+        script.orders.order(WHO, Listen(source=source))
+        if source < 2:
+            script.ack(LISTEN, Result.IN_PROGRESS)
+            script.wait(0.5)
+    script.ack(LISTEN, Result.CANCELLED)
+    script.ack(LISTEN, Result.TEMPORARILY_REJECTED)
+    script.wait(6)
+    assert script.states()[:2] == ["cancelled", "cancelled"]
+    assert [message.param2 for _, message in script.heard if message.param2 < 2] == [0, 1]
+
+
+def test_what_may_have_been_replaced_by_an_order_that_is_forgotten_is_not_asked_for_again(script):
+    """The second one was never answered; the others were refused."""
+    script.orders.order(WHO, Listen(source=0))
+    script.ack(LISTEN, Result.IN_PROGRESS)
+    script.wait(1)
+    script.orders.order(WHO, Listen(source=1))
+    for source in (2, 3):
+        script.orders.order(WHO, Listen(source=source))
+        script.ack(LISTEN, Result.TEMPORARILY_REJECTED)
+        script.wait(0.9)
+    script.ack(LISTEN, Result.TEMPORARILY_REJECTED)
+    script.wait(6)
+    assert [message.param2 for _, message in script.heard if message.param2 < 2] == [0, 1]
+
+
 def test_an_order_is_asked_for_again_when_the_later_one_of_its_kind_was_refused(script):
     script.orders.order(WHO, Turn(40))
     script.ack(TURN, Result.IN_PROGRESS)
