@@ -209,6 +209,7 @@ class MissionCommands:
             self._server.answer(command, origin.sender, verdict)
         elif entry.kept is not None and entry.kept.order is not None:
             entry.kept.silent = True  # its end would look like the end of the new one
+            entry.kept.kept = None  # however many wait: what is no task may be said again and again
 
     def _repeated(self, command: Command, received: Received, now: float) -> bool:
         """Answer a command that is only sent again; tell whether it is."""

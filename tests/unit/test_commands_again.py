@@ -25,6 +25,7 @@ from ross_payload.orders import (
     Stop,
     TurnTo,
 )
+from ross_protocols.mavlink.component_id import ComponentId
 
 
 @pytest.fixture
@@ -158,6 +159,16 @@ def test_a_doubled_frame_of_what_was_refused_is_not_obeyed_later(payload):
     call(frames[0])
     payload.wait(1.0)
     assert len(payload.given) == 1
+
+
+def test_of_what_is_asked_for_again_and_again_while_the_mission_computes_two_are_remembered(payload):
+    payload.computing = True
+    for _ in range(20):
+        payload.command(REARM, seconds=0.05)
+    assert len(payload.given) == 20
+    assert len(payload.server._recent.find(ComponentId(255, 190), REARM).remembered) == 2
+    payload.computing = False
+    assert payload.results(REARM, 1.0)[-1] == ACCEPTED
 
 
 def lose(payload, frames):
