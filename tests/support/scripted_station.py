@@ -33,6 +33,7 @@ class Scripted(HandStation):
         super().__init__()
         self.results, self.text = results, text
         self.refuses = False
+        self.lists = True  # its parameters
         self.found = ()  # sources of an exploration, told after it was acknowledged
         self.turned = (status(2.0, settled=True),)  # told after a turn was
         self.say(status(1.0))
@@ -55,7 +56,7 @@ class Scripted(HandStation):
                 asyncio.get_running_loop().call_later(0.1, self.say, v.Text(v.Severity.WARNING, self.text))
         elif kind == "COMMAND_LONG":
             self.answer(message.command, Result.UNSUPPORTED)
-        elif kind == "PARAM_REQUEST_LIST":
+        elif kind == "PARAM_REQUEST_LIST" and self.lists:
             for index, (name, value) in enumerate(NUMBERS.items()):
                 self.say(value_message(name, value, index, len(NUMBERS)))
         elif kind == "PARAM_SET" and not self.refuses:

@@ -15,6 +15,7 @@ from typing import Any
 from ross_payload.ground.client.component_metadata import MOST_PARAMETERS, Metadata, ParameterDescription
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.model.status_text import EXPLANATION_S, PREFIX, RecentTexts
+from ross_payload.token_bucket import TokenBucket
 from ross_protocols.mavlink import params
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
@@ -23,6 +24,7 @@ from ross_protocols.mavlink.field_converters import FLOAT32_MAX
 ANSWER_TIMEOUT_S = 1.0  # [s] without an answer until something is asked for again
 LIST_TIMEOUT_S = 5.0  # [s] between two requests for a list that nobody answers
 OUTAGE_S = 3.0  # [s] without a message of the payload
+REREADS, REREAD_PERIOD_S = 2, 30.0  # lists after outages at once, and [s] for each in the long run: radios may be slow
 READS_AT_ONCE = 8  # parameters that are asked for at once
 MOST_SENDS = 5  # that a value is sent
 KNOWN, SENDING, SET, REFUSED, NO_ANSWER = "known", "sending", "set", "refused", "no_answer"
@@ -62,6 +64,8 @@ class ParamClient:
         self._us = ComponentId(system_id, component_id)
         self._boots: int | None = None
         self._received_at = math.inf  # the latest message [s]
+        self._outdated = False  # the list may be: the link was away
+        self._rereads = TokenBucket(REREADS, 1 / REREAD_PERIOD_S)
         self._now = 0.0
         self._begin()
 
@@ -96,7 +100,8 @@ class ParamClient:
         self._names: dict[int, str] = {}  # by index
         self._read: set[int] = set()  # indices that have come since the list was asked for
         self._count: int | None = None
-        self._due, self._began = -math.inf, self._now
+        self._outdated, self._due, self._began = False, -math.inf, self._now
+        self._silent_until = -math.inf  # nothing came since values were asked for: until then asking is no use [s]
         self._texts = RecentTexts()
         self._metadata = Metadata(lambda message: self._give(message, self.who), self.who, *self._us)
 
@@ -131,8 +136,10 @@ class ParamClient:
         if self._boots is not None and payload.boots > self._boots:
             self._begin()
         elif payload.last - self._received_at > OUTAGE_S:
+            self._outdated = True
+        if self._outdated and self._rereads.spend(payload.last):
             self._read.clear()
-            self._due = -math.inf
+            self._outdated, self._due = False, -math.inf
         self._boots, self._received_at = payload.boots, payload.last
 
     def on_packet(self, packet: Packet, now: float) -> None:
@@ -140,6 +147,7 @@ class ParamClient:
         self._now = now
         if packet.sender != self.who:
             return
+        self._silent_until = -math.inf
         self._metadata.on_packet(packet, now)
         answer = params.answer_of(packet.message)
         if isinstance(answer, params.ParamValue):
@@ -154,7 +162,7 @@ class ParamClient:
     def tick(self, now: float) -> None:
         """Ask again for what has not come."""
         self._now = now
-        if not self.complete and now >= self._due:
+        if not self.complete and now >= max(self._due, self._silent_until):
             self._ask()
         for name, setting in list(self._settings.items()):
             if setting.state == SENDING and now - setting.at >= ANSWER_TIMEOUT_S:
@@ -175,7 +183,7 @@ class ParamClient:
         missing = [index for index in range(self._count) if index not in self._read]
         for index in missing[:READS_AT_ONCE]:
             self._give(params.read_message(index, self.who), self.who)
-        self._due = self._now + ANSWER_TIMEOUT_S
+        self._due, self._silent_until = self._now + ANSWER_TIMEOUT_S, self._now + LIST_TIMEOUT_S
 
     def _on_value(self, answer: params.ParamValue) -> None:
         named = answer.name.isascii() and answer.name.isprintable() and answer.name != ""

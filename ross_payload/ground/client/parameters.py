@@ -103,7 +103,9 @@ class Parameters:
         ValueError
             When no 32-bit float can hold the value.
         """
-        await self._until_known()
+        self.wanted = True
+        if name not in self.settings.values:
+            await self._until_known()
         if name not in self.settings.values:
             raise unknown(self.settings, name)
         self.settings.set(name, value)

@@ -2,6 +2,7 @@
 
 import math
 import tracemalloc
+from collections import Counter
 from types import SimpleNamespace
 
 import pytest
@@ -18,6 +19,7 @@ from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.params import NO_INDEX, ParamError, value_message
 from ross_protocols.mavlink.values import Severity, Text
 
+(HEARTBEAT,) = Decoder().feed(Encoder(*WHO).encode(common.MAVLink_heartbeat_message(18, 8, 0, 0, 4, 3)))
 DEFAULTS = {name: value_of(Config(), name) for name in TABLE}
 
 
@@ -95,6 +97,25 @@ def test_what_somebody_else_sets_during_an_outage_is_seen_after_it(rig, silence,
     rig.station.wait(2)
     assert rig.settings.complete
     assert row(rig.settings, "EXP_UNIT")["value"] == seen
+
+
+def test_a_link_with_outages_without_end_is_not_filled_with_lists(rig):
+    """Half a second in every four is heard: what is asked for then arrives, and no more is asked for."""
+    rig.station.wait(5, lambda: rig.settings.complete and rig.settings.described)
+    before, complete = len(rig.station.sent), []
+    for _ in range(20):
+        for loss, seconds in ((0.0, 0.5), (1.0, 3.5)):
+            rig.payload.ground.air.odds.loss = loss
+            if not loss:
+                now = rig.payload.clock.now()
+                rig.settings.on_state(Known(WHO, 0.0, now))
+                rig.settings.on_packet(HEARTBEAT, now)
+            rig.station.wait(seconds)
+        complete.append(rig.settings.complete)
+    asked = Counter(message.get_type() for _, message in rig.station.sent[before:])
+    assert asked["PARAM_REQUEST_LIST"] <= 5
+    assert asked["PARAM_REQUEST_READ"] <= 80
+    assert complete.count(True) > 10
 
 
 def test_what_was_not_answered_in_an_outage_is_known_after_it(rig):

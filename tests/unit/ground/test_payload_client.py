@@ -15,6 +15,7 @@ from ross_payload.ground import (
     UnknownParameter,
 )
 from ross_payload.ground.client import payload as payload_client
+from ross_payload.ground.model.payload_state import PayloadState
 from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.commands import Result
 from ross_protocols.mavlink.component_id import ComponentId
@@ -182,6 +183,19 @@ def test_parameters_are_read_and_set_as_a_mapping():
         return names, await payload.parameters["EXP_UNIT"], await payload.parameters.set("EXP_UNIT", 2.5)
 
     assert with_payload(station, work) == (list(NUMBERS), 3.0, 2.5)
+
+
+def test_a_parameter_is_set_while_the_list_is_read_again_after_an_outage():
+    station = Scripted()
+
+    async def work(payload):
+        await payload.parameters["EXP_UNIT"]
+        station.lists = False
+        payload.parameters.settings.on_state(PayloadState(PAYLOAD, 0.0, 1e6))
+        assert not payload.parameters.settings.complete
+        return await asyncio.wait_for(payload.parameters.set("EXP_UNIT", 2.5), 1.0)
+
+    assert with_payload(station, work) == 2.5
 
 
 def test_the_list_of_parameters_is_not_asked_for_before_it_is_wanted():

@@ -55,7 +55,8 @@ async def set_parameter(call: Call, where: OfParameter, body: Value) -> page_ans
     """
     settings = call.operator.settings(where.who)
     call.operator.check_control()
-    await _arrived(call, settings, LIST_TIMEOUT_S)
+    if where.name not in settings.values:
+        await _arrived(call, settings, LIST_TIMEOUT_S)
     _row(settings, where.name)
     call.operator.hold()
     await Parameters(settings, call.operator.state.changed).set(where.name, body.value)
