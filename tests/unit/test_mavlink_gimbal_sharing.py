@@ -297,10 +297,12 @@ def test_control_that_was_granted_as_the_link_failed_is_given_back_afterwards(ri
 
 
 def test_control_that_a_killed_payload_has_left_behind_is_given_back(rig):
+    """The first that the autopilot tells of control: later on it would be another program with our ids."""
     rig.far_end.autopilot.take_control(PAYLOAD)
     assert rig.sent(3.0).count(CONFIGURE) < 3
     assert rig.primary == FREE
     rig.clock.sleep(1.0)
+    rig.far_end.autopilot.take_control(PAYLOAD)
     assert CONFIGURE not in rig.sent(3.0)
 
 

@@ -106,13 +106,13 @@ class GimbalManagerClient:
                 self._on_control(control.primary)
 
     def _on_control(self, primary: ComponentId) -> None:
-        """Take in who is in control; if we are, which is news, and with no task, an earlier one has not released it."""
-        news, self.primary = primary != self.primary, primary
+        """Take in who is in control; if that was not known, and we are, with no task, an earlier one left it so."""
+        before, self.primary = self.primary, primary
         self.had_control = self.had_control or self.ready
         self.may_have_control = primary == self.us != NOBODY
         if not self.may_have_control:
             self.releases = 0
-        elif self.idle and news:
+        elif self.idle and before is None:
             self.releases = RELEASE_TRIES
 
     def _learn(self, travel: GimbalTravel, now: float) -> None:
