@@ -154,16 +154,25 @@ class SessionStore:
             if not _is_folder(self.folder):
                 return ""
         now, kept = _time(stamp), list(self.all())
+        undated: list[StoredSession] = []
         if now is None:
             now = _now(self.folder)
             old = [one for one in kept if one.modified > SET and now - one.modified > limits.max_days * DAY]
         else:
-            old = [
-                one for one in kept if not one.running and now - _start_time(one, now, stamp) > limits.max_days * DAY
-            ]
+            starts = [(one, _start_time(one)) for one in kept if not one.running]
+            undated = [one for one, start in starts if start is None]
+            old = [one for one, start in starts if start is not None and now - start > limits.max_days * DAY]
         for session in [one for one in old if not one.running]:
             kept.remove(session)
             self.delete(session)
+        why = self._too_much(kept, limits, running)
+        for session in undated:  # at last: on a full disk there is room now
+            if session in kept:
+                write_whole(session.path / DATED, stamp.encode())
+        return why
+
+    def _too_much(self, kept: list[StoredSession], limits: config.Recording, running: Path | None) -> str:
+        """Delete the oldest of these while they are too much, also from the list; return why ``running`` must stop."""
         while sum(one.bytes for one in kept) > limits.max_gb * GB:
             oldest = next((one for one in kept if not one.running and one.path != running), None)
             if oldest is None:
@@ -232,16 +241,11 @@ def _locked(path: Path) -> bool:
         os.close(handle)
 
 
-def _start_time(session: StoredSession, now: float, stamp: str) -> float:
-    """When a session began [s] since 1970; one of which that is not known is dated ``now``, whose stamp is kept."""
+def _start_time(session: StoredSession) -> float | None:
+    """When a session began [s] since 1970, by its name or the stamp that it was given; None: that is not known."""
     named = NAME.fullmatch(session.path.name)
     start = _time((named[2] or "")[1:]) if named else None
-    if start is None:
-        start = _time(_kept_stamp(session.path))
-    if start is None:
-        write_whole(session.path / DATED, stamp.encode())
-        return now
-    return start
+    return _time(_kept_stamp(session.path)) if start is None else start
 
 
 def _kept_stamp(folder: Path) -> str:

@@ -1,9 +1,11 @@
 """The folder of sessions: bounded, and nothing in it is touched that is not a session of ours."""
 
+import errno
 import os
 
 import pytest
 
+from ross_payload.atomic_files import write_whole
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.sessions.manifest import Beginning
@@ -96,6 +98,21 @@ def test_by_a_trusted_clock_the_time_in_a_name_counts_whatever_files_say(store):
     store.tidy(limits(max_days=30), stamp="20261129T120001Z")
     assert names(store) == [path.name for path in paths[1:]]
     assert [(path / "dated").exists() for path in paths[1:]] == [False, True]
+
+
+def test_what_is_too_old_goes_before_anything_is_written_to_a_disk_that_is_full(store, monkeypatch):
+    undated = fill(store)
+    SessionWriter(old := store.add("20261001T120000Z"), BEGINNING, "").finish("done")
+
+    def full(path, data):
+        if old.exists():
+            raise OSError(errno.ENOSPC, "No space left on device")
+        write_whole(path, data)
+
+    monkeypatch.setattr("ross_payload.sessions.session_store.write_whole", full)
+    store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+    assert names(store) == ["0001"]
+    assert (undated / "dated").exists()
 
 
 def test_the_running_session_is_never_deleted(store):
