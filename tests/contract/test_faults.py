@@ -35,9 +35,11 @@ ROLES = {
     ("vehicle_yaw:offboard", Fault.MODE),
     ("vehicle_yaw:offboard", Fault.PILOT),
     ("vehicle_yaw:offboard", Fault.DISARMED),
+    ("vehicle_yaw:offboard", Fault.LANDED),
 }
 AT_REST = {  # that begin at rest with every test too: the others are noticed by the move, as those of mid-move
     Fault.SILENT, Fault.REBOOT, Fault.TAKEN, Fault.DUPLICATE, Fault.PILOT, Fault.MODE, Fault.DISARMED,
+    Fault.LANDED,
 }  # fmt: skip
 EVERY_BACK_END = [case for case in CASES if ":" not in str(case.values[0]) or case.values[:2] in ROLES]
 ARRIVAL = 8.0  # of a move that a fault does not hinder [s]

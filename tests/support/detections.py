@@ -118,6 +118,7 @@ DETECTIONS: dict[tuple[str, Fault], Detection | None] = {
     ("vehicle_yaw", Fault.PILOT): Detection(0.1, "the pilot moves the yaw stick"),
     ("vehicle_yaw", Fault.MODE): Detection(0.1, "the flight mode is LOITER: the vehicle is turned only in GUIDED"),
     ("vehicle_yaw", Fault.DISARMED): Detection(0.15, "the vehicle is not armed"),
+    ("vehicle_yaw", Fault.LANDED): Detection(0.3, "the vehicle is on the ground"),
     ("vehicle_yaw:offboard", Fault.STALL): Detection(4.0, "does not follow"),
     ("vehicle_yaw:offboard", Fault.NOISY): Detection(4.0, "the attitude of the vehicle jumps"),
     ("vehicle_yaw:offboard", Fault.SILENT): Detection(0.7, NO_ATTITUDE),
@@ -127,5 +128,6 @@ DETECTIONS: dict[tuple[str, Fault], Detection | None] = {
     ("vehicle_yaw:offboard", Fault.MODE): Detection(
         0.1, "the flight mode is Position: the vehicle is turned only in Offboard"
     ),
-    ("vehicle_yaw:offboard", Fault.DISARMED): Detection(1.1, "the vehicle is not armed|does not follow"),
+    ("vehicle_yaw:offboard", Fault.DISARMED): Detection(0.3, "the vehicle is not armed|the vehicle is on the ground"),
+    ("vehicle_yaw:offboard", Fault.LANDED): Detection(0.3, "the vehicle is on the ground"),
 }

@@ -7,6 +7,8 @@ in its source (ArduCopter 4.6 `autoyaw.cpp`, PX4 `navigator_main.cpp`):
   LOITER, whose yaw is the stick's alone. Relative by 0 it holds the yaw that it has come to.
 - PX4 knows no CONDITION_YAW outside of missions. In Hold it turns to the yaw of DO_REPOSITION [rad]; in Offboard it
   follows SET_POSITION_TARGET_LOCAL_NED, a stream that may not pause for half a second.
+- An armed PX4 on the ground takes off when its set-point is above it: in Hold by 0.2 m (`FlightTask::_checkTakeoff`),
+  in Offboard by anything (`MulticopterPositionControl::Run`). An ArduCopter on the ground obeys no CONDITION_YAW.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ from ross_protocols.mavlink.vehicle import VehicleAttitude, euler
 
 ARDUPILOT, PX4 = common.MAV_AUTOPILOT_ARDUPILOTMEGA, common.MAV_AUTOPILOT_PX4
 HEARTBEAT, ATTITUDE, LOCAL_POSITION, GLOBAL_POSITION = 0, 30, 32, 33  # message ids
-RC_CHANNELS, MANUAL_CONTROL, CURRENT_MODE = 65, 69, 436
+RC_CHANNELS, MANUAL_CONTROL, EXTENDED_SYS_STATE, CURRENT_MODE = 65, 69, 245, 436
 CONDITION_YAW, DO_REPOSITION = common.MAV_CMD_CONDITION_YAW, common.MAV_CMD_DO_REPOSITION
 MULTICOPTERS = frozenset(
     (
@@ -40,6 +42,7 @@ ARMED = common.MAV_MODE_FLAG_SAFETY_ARMED
 GUIDED, LOITER = 4, 5  # ArduCopter
 POSITION, HOLD, OFFBOARD = 3 << 16, 4 << 16 | 3 << 24, 6 << 16  # PX4: main mode, and sub-mode of the automatic one
 PX4_AUTO = 4  # main mode of PX4: a sub-mode tells which
+IN_AIR = common.MAV_LANDED_STATE_IN_AIR
 NO_PULSE = (0, 65535)  # of RC_CHANNELS: a channel that the receiver does not have
 UNCHANGED = 2**31 - 1  # as x and y of COMMAND_INT: the vehicle stays where it is
 YAW_AND_POSITION = 0x9F8  # POSITION_TARGET_TYPEMASK: velocity, acceleration and yaw rate are ignored
@@ -68,6 +71,11 @@ def flight_status(message: Any) -> FlightStatus | None:
         return None
     armed = bool(message.base_mode & ARMED)
     return FlightStatus(message.autopilot, message.type in MULTICOPTERS, armed, message.custom_mode)
+
+
+def landed_state(message: Any) -> int | None:
+    """Return MAV_LANDED_STATE of EXTENDED_SYS_STATE; None: another message."""
+    return int(message.landed_state) if message.get_type() == "EXTENDED_SYS_STATE" else None
 
 
 def mode_name(autopilot: int, mode: int) -> str:

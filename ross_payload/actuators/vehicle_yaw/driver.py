@@ -3,7 +3,7 @@
 A goal becomes a trapezoid, and the trapezoid set-points a little ahead of the vehicle: when the payload dies, the
 vehicle goes to the last one and its autopilot holds it there. Only the attitude tells where it is.
 
-The vehicle is the pilot's. It is turned only for a task, while it is armed and in the mode for it; the yaw stick or
+The vehicle is the pilot's. It is turned only for a task, while it flies, armed and in the mode for it; the yaw stick or
 another mode ends a turn, and nothing begins it again but an operator. A stop is the autopilot's own: it holds its yaw.
 """
 
@@ -313,7 +313,8 @@ class VehicleYaw(Driver):
     def _yield(self, commands: YawCommands, now: float, *, told: bool = False) -> None:
         """End a turn: in another mode it has ended by itself; else the autopilot is told once that it has.
 
-        Unless somebody has ``told`` it something else meanwhile: an order to PX4 would bring back the old height, too.
+        Unless somebody has ``told`` it something else meanwhile, or it does not fly: an order to PX4 would bring back
+        the old height, too.
         """
         self._pending = None
         if self._yielded:
@@ -324,7 +325,8 @@ class VehicleYaw(Driver):
         if motion is None:
             return
         self._brake(now)
-        if not (settled or told) and self._watch.armed and self._watch.mode == self._watch.wanted_mode:
+        obeys = self._watch.armed and self._watch.mode == self._watch.wanted_mode and self._watch.flies(now)
+        if obeys and not (settled or told):
             self._send(commands.stop(self._plan.motion.plan.goal if self._plan.motion else motion.plan.goal, now))
         if not commands.streams:
             self._plan.motion = None

@@ -13,15 +13,18 @@ from ross_payload.actuators.vehicle_yaw.options import Options
 from ross_protocols.mavlink import vehicle, vehicle_control
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.vehicle import AUTOPILOT, Position
 from ross_protocols.mavlink.vehicle_control import (
     ARDUPILOT,
     ATTITUDE,
     CURRENT_MODE,
+    EXTENDED_SYS_STATE,
     GLOBAL_POSITION,
     GUIDED,
     HEARTBEAT,
     HOLD,
+    IN_AIR,
     LOCAL_POSITION,
     MANUAL_CONTROL,
     OFFBOARD,
@@ -33,12 +36,19 @@ ASK_PERIOD_S = 1.0  # between two looks whether messages flow
 ENOUGH = 0.6  # of the rate that was asked for: it is not asked for again
 STICK_STALE_S = 0.3  # a stick that is told more seldom proves nothing
 PLACE_STALE_S = 1.5  # nor a place or a height: nobody is sent back there
+LANDED_STALE_S = 1.5  # nor whether it flies
 MODE_STALE_S = {ARDUPILOT: 0.3, PX4: 1.2}  # nor a mode; PX4 tells a new one at once, and the same one twice a second
 RATES: dict[int, dict[int, float]] = {  # by autopilot: how often it must tell what [Hz]
-    ARDUPILOT: {ATTITUDE: 50.0, HEARTBEAT: 10.0, RC_CHANNELS: 20.0},  # it tells a new mode at once, too
+    ARDUPILOT: {ATTITUDE: 50.0, HEARTBEAT: 10.0, RC_CHANNELS: 20.0,  # it tells a new mode at once, too
+                EXTENDED_SYS_STATE: 5.0},
     PX4: {ATTITUDE: 50.0, CURRENT_MODE: 20.0, RC_CHANNELS: 20.0, MANUAL_CONTROL: 20.0,
-          GLOBAL_POSITION: 5.0, LOCAL_POSITION: 10.0},
+          EXTENDED_SYS_STATE: 5.0, GLOBAL_POSITION: 5.0, LOCAL_POSITION: 10.0},
 }  # fmt: skip
+GROUNDED = {  # why a vehicle is not turned, by MAV_LANDED_STATE
+    common.MAV_LANDED_STATE_ON_GROUND: "the vehicle is on the ground: it is turned only in the air",
+    common.MAV_LANDED_STATE_TAKEOFF: "the vehicle is taking off: it is turned only when it has",
+    common.MAV_LANDED_STATE_LANDING: "the vehicle is landing: it is turned only in the air",
+}
 Place = tuple[float, float, float]  # north, east, down [m]
 
 
@@ -52,6 +62,7 @@ class FlightWatch:
     multicopter: bool = True
     armed: bool = False
     mode: int = -1
+    _landed: tuple[float, int] = (-math.inf, common.MAV_LANDED_STATE_UNDEFINED)  # when it was told [s], and which state
     _position: tuple[float, Position] | None = None  # when it was told [s], and which
     _place: tuple[float, Place] | None = None  # the same
     _mode_times: tuple[float, float] = (-math.inf, -math.inf)  # of the last two reports of the mode [s]
@@ -87,6 +98,9 @@ class FlightWatch:
             self.mode = message.custom_mode
         elif packet.name == "LOCAL_POSITION_NED":
             self._place = now, (message.x, message.y, message.z)
+        landed = vehicle_control.landed_state(message)
+        if landed is not None:
+            self._landed = now, landed
         position = vehicle.position_of(message)
         if position is not None:
             self._position = now, position
@@ -98,6 +112,10 @@ class FlightWatch:
     def place_at(self, now: float) -> Place | None:
         """Return where the vehicle is from where its autopilot counts; None: that was not told lately."""
         return self._place[1] if self._place is not None and now - self._place[0] <= PLACE_STALE_S else None
+
+    def flies(self, now: float) -> bool:
+        """Tell whether the vehicle is in the air, neither taking off nor landing, as was told lately."""
+        return self._landed[1] == IN_AIR and now - self._landed[0] <= LANDED_STALE_S
 
     def due(self, now: float) -> list[Any]:
         """Return the requests for messages that come too seldom."""
@@ -129,7 +147,7 @@ class FlightWatch:
             )
         if self.options.yaw_channel and abs(self._stick) > self.options.stick_dead_band_us:
             return f"the pilot moves the yaw stick ({self._stick:+.0f} us): the vehicle is the pilot's"
-        return ""
+        return GROUNDED.get(self._landed[1], "")
 
     def ignorance(self, now: float) -> str:
         """Say what is not told often enough to turn the vehicle; empty when all is."""
@@ -147,4 +165,4 @@ class FlightWatch:
                 f"the autopilot does not tell the pilot's yaw stick (RC_CHANNELS, channel {channel}):"
                 " yaw_channel = 0 if nobody holds one"
             )
-        return ""
+        return "" if self.flies(now) else "the autopilot does not tell whether the vehicle flies (EXTENDED_SYS_STATE)"

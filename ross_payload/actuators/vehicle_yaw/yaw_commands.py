@@ -104,9 +104,10 @@ class HoldYaw:
 
 @dataclass(slots=True)
 class OffboardYaw:
-    """PX4 in Offboard: a stream of a place and a yaw; the place is that where Offboard began.
+    """PX4 in Offboard: a stream of a place and a yaw; the place is that in the air where Offboard began.
 
-    Offboard that began without it is somebody else's: then there is no place, and no stream.
+    Offboard that began without it is somebody else's: then there is no place, and no stream. Nor is there one on the
+    ground: where its height wanders an armed PX4 is soon below its place, and would take off.
     """
 
     watch: FlightWatch
@@ -116,16 +117,19 @@ class OffboardYaw:
     _place: Place | None = None
 
     def look(self, now: float) -> None:
-        """Before Offboard the place is wherever the vehicle is; in it that stays."""
+        """Before Offboard the place is wherever the vehicle flies; in it that stays."""
         if self.watch.mode != vehicle_control.OFFBOARD:
-            self._place = self.watch.place_at(now)
+            self._place = self.watch.place_at(now) if self.watch.flies(now) else None
 
     def missing(self, now: float) -> str:
         """Say that the place must be known, and before Offboard begins."""
         if self._place is not None:
             return ""
         if self.watch.mode == vehicle_control.OFFBOARD:
-            return "Offboard began before the place was known, or for another program: leave it, and choose it again"
+            return (
+                "Offboard began before the place was known, or for another program, or on the ground:"
+                " leave it, and choose it again in the air"
+            )
         return "the autopilot does not tell where it is (LOCAL_POSITION_NED)"
 
     def begin(self, now: float) -> list[Any]:

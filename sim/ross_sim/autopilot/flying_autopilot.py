@@ -18,8 +18,10 @@ from ross_protocols.mavlink.vehicle_control import (
     ARMED,
     ATTITUDE,
     CURRENT_MODE,
+    EXTENDED_SYS_STATE,
     GLOBAL_POSITION,
     HEARTBEAT,
+    IN_AIR,
     LOCAL_POSITION,
     MANUAL_CONTROL,
     RC_CHANNELS,
@@ -40,7 +42,7 @@ LATITUDE, LONGITUDE = 473977000, 85455000  # where it hovers, in 1e-7 degrees
 class FlyingAutopilot:
     """Component 1 of a multicopter that hovers.
 
-    `armed`, `mute`, `trembling`, `altimeter_error` and the ``stick`` of ``modes`` may be set while it lives.
+    `armed`, `landed`, `mute`, `trembling`, `altimeter_error` and the ``stick`` of ``modes`` may be set while it lives.
 
     Parameters
     ----------
@@ -55,10 +57,11 @@ class FlyingAutopilot:
         self.modes = modes
         self.ardupilot = isinstance(modes, Copter)
         self.armed = True
+        self.landed = IN_AIR  # MAV_LANDED_STATE, while it is armed
         self.mute = False
         self.trembling: Callable[[], float] | None = None  # error of its compass [rad]
         self.altimeter_error = 0.0  # [m]
-        self._adjustable = {ATTITUDE, RC_CHANNELS, SYSTEM_TIME, GLOBAL_POSITION, LOCAL_POSITION}
+        self._adjustable = {ATTITUDE, RC_CHANNELS, SYSTEM_TIME, GLOBAL_POSITION, LOCAL_POSITION, EXTENDED_SYS_STATE}
         self._adjustable |= {HEARTBEAT} if self.ardupilot else {CURRENT_MODE, MANUAL_CONTROL}
         self._periods = dict(USUAL)
         self._due: dict[int, float] = {}
@@ -73,6 +76,11 @@ class FlyingAutopilot:
         """The true yaw [rad], counter-clockwise from north, unwrapped."""
         return self.modes.body.yaw
 
+    @property
+    def landed_state(self) -> int:
+        """MAV_LANDED_STATE."""
+        return int(self.landed if self.armed else common.MAV_LANDED_STATE_ON_GROUND)
+
     def withhold(self, number: int) -> None:
         """Never tell a message again, whoever asks for it."""
         self._adjustable.discard(number)
@@ -84,7 +92,7 @@ class FlyingAutopilot:
 
     def move(self, now: float) -> None:
         """Fly until ``now`` [s]."""
-        self.modes.body.grounded = not self.armed
+        self.modes.body.grounded = self.landed_state == common.MAV_LANDED_STATE_ON_GROUND
         while (self._steps + 1) * STEP <= now + EARLY:
             self._steps += 1
             self.modes.step(self._steps * STEP)
@@ -148,6 +156,7 @@ class FlyingAutopilot:
             MANUAL_CONTROL: lambda: common.MAVLink_manual_control_message(
                 system, 0, 0, 500, round(2 * (stick - CENTRE)), 0
             ),
+            EXTENDED_SYS_STATE: lambda: common.MAVLink_extended_sys_state_message(0, self.landed_state),
             CURRENT_MODE: lambda: ross.MAVLink_current_mode_message(0, self.modes.mode, 0),
         }
         return makers[number]()

@@ -33,9 +33,10 @@ class Fault(StrEnum):
     PILOT = "pilot"  # the pilot pushes the yaw stick for half a second
     MODE = "mode"  # the pilot chooses a flight mode in which only the stick turns the vehicle
     DISARMED = "disarmed"  # the vehicle is disarmed on the ground
+    LANDED = "landed"  # the vehicle stands on the ground, armed
 
 
-OF_VEHICLES = frozenset((Fault.PILOT, Fault.MODE, Fault.DISARMED))  # what happens to vehicles that fly
+OF_VEHICLES = frozenset((Fault.PILOT, Fault.MODE, Fault.DISARMED, Fault.LANDED))  # what happens to vehicles that fly
 OF_DEVICES = frozenset(Fault) - OF_VEHICLES
 
 SLIP = math.radians(10)  # [rad]

@@ -14,15 +14,17 @@ from ross_payload.actuators.vehicle_yaw.options import Options
 from ross_protocols.mavlink import vehicle_control
 from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
 from ross_protocols.mavlink.component_id import ComponentId
-from ross_protocols.mavlink.vehicle_control import OFFBOARD
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.vehicle_control import IN_AIR, OFFBOARD
 from ross_sim.autopilot.flight_modes import CENTRE, Copter, Px4
 from ross_sim.autopilot.flying_autopilot import FlyingAutopilot
 from ross_sim.autopilot.yaw_dynamics import Airframe, Wind, YawDynamics
 from ross_sim.devices.far_end import OF_VEHICLES, Fault, WireEnd, checked
 from ross_sim.devices.gimbal_far_end import AGAIN, STATION, SYSTEM, CrowdedLine, MavlinkEnd
 
-NOTICE_S = 1.5  # in which it is known that a vehicle is disarmed, from heartbeats
+NOTICE_S = 1.5  # in which it is known that a vehicle is disarmed, from heartbeats, or on the ground
 PUSH_US, PUSH_S = 200.0, 0.5  # how far, and for how long, a pilot pushes the yaw stick
+ON_GROUND = common.MAV_LANDED_STATE_ON_GROUND
 TREMBLE = math.radians(4)  # of a compass that is broken, standard deviation [rad]
 TURN = math.radians(60)  # from where the vehicle points to where a ground station wants it [rad]
 TORQUE = math.radians(300)  # of propellers that are slow about the yaw axis, as an acceleration [rad/s^2]
@@ -55,7 +57,7 @@ class VehicleFarEnd:
         self._rival: float | None = None  # the yaw that a ground station wants [rad]
         self._rival_due = 0.0  # [s]
         self._damaged = False
-        self._disarmed = 0.0  # when [s]
+        self._grounded = 0.0  # since when it may not be turned, disarmed or on the ground [s]
         self._released = math.inf  # when the pilot lets go of the stick [s]
         self._chance = np.random.default_rng(0)
         self._up, self._down = (CrowdedLine(self._chance, latency=latency) for _ in range(2))
@@ -126,7 +128,9 @@ class VehicleFarEnd:
                 else:
                     self.modes.enter(self._automatic, self._now)
             case Fault.DISARMED:
-                self.autopilot.armed, self._disarmed = not on, self._now
+                self.autopilot.armed, self._grounded = not on, self._now
+            case Fault.LANDED:
+                self.autopilot.landed, self._grounded = ON_GROUND if on else IN_AIR, self._now
 
     def complaints(self) -> list[str]:
         """Return which orders to turn came while the vehicle was not the payload's."""
@@ -149,14 +153,15 @@ class VehicleFarEnd:
         return loses
 
     def _inspect(self, packet: Packet) -> None:
-        """Note orders; one to turn a vehicle that has not been armed for a while is worth a word."""
+        """Note orders; one to turn a vehicle that has been disarmed or on the ground for a while is worth a word."""
         message = packet.message
         if not _turns(packet):
             return
         stops = message.command == vehicle_control.CONDITION_YAW and bool(message.param4)
         self.orders.append((self._now, "stop" if stops else "turn"))
-        if not self.autopilot.armed and self._now - self._disarmed > NOTICE_S:
-            self._words.append("an order to turn a vehicle that is not armed")
+        if self.autopilot.landed_state == ON_GROUND and self._now - self._grounded > NOTICE_S:
+            where = "on the ground" if self.autopilot.armed else "not armed"
+            self._words.append(f"an order to turn a vehicle that is {where}")
 
     @classmethod
     def make(cls, config: Options) -> VehicleFarEnd:
