@@ -155,6 +155,7 @@ class Capabilities:
     continuous: bool  # turns without end
     feedback: Feedback
     finds_zero: bool = False  # `home` goes to a switch or an index; else it declares the zero, or an encoder knows it
+    disturbance: float = 0.0  # so far may wind take it from its goal, and it comes back by itself [rad]
 
 
 @dataclass(frozen=True, slots=True)

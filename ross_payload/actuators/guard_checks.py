@@ -54,6 +54,9 @@ def _check_sanity(hardware: Capabilities) -> None:
     for name, value in named.items():
         if not (math.isfinite(value) and value > 0):
             raise ConfigError(f"guard: expected the actuator's {name} to be finite and above 0, got {value:g}")
+    if not 0 <= hardware.disturbance < math.inf:
+        found = f"{hardware.disturbance:g}"
+        raise ConfigError(f"guard: expected the actuator's disturbance to be finite and not negative, got {found}")
     if not hardware.lower < hardware.upper:  # NaN is not either
         has = f"{math.degrees(hardware.lower):g} to {math.degrees(hardware.upper):g} deg"
         raise ConfigError(f"guard: expected the lower limit of the actuator's travel first, got {has}")

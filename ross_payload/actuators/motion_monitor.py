@@ -12,7 +12,7 @@ from ross_payload.interfaces import ActuatorState, Capabilities
 PARKING, HOMING = "parking", "homing"
 TOLD_AGAIN_S = 1.0  # [s] after which a device that does not come to rest is told to once more
 UNASKED_S = 0.3  # [s] it may turn after a stop without a fault: a report may be wrong, somebody may bump into it
-RUNAWAY_RAD = math.radians(2)  # farther beyond a limit than it was when the goal was given is a runaway [rad]
+RUNAWAY_RAD = math.radians(2)  # farther beyond a limit than it was when the goal was given is a runaway, at least [rad]
 
 
 class MotionMonitor:
@@ -62,7 +62,7 @@ class MotionMonitor:
     def expect_goal(self, goal: float, here: float, able: Capabilities) -> None:
         """Expect it at ``goal``, and not much farther beyond a limit than ``here``, all [rad]."""
         self._rested, self._turning_since = False, math.inf
-        self.goal, self._room = goal, beyond(here, able) + RUNAWAY_RAD
+        self.goal, self._room = goal, beyond(here, able) + max(RUNAWAY_RAD, able.disturbance)
         self.shared = False
         self.doing, self._rest_by = "", math.inf
 

@@ -251,6 +251,22 @@ def test_one_that_runs_away_beyond_its_limit_is_stopped() -> None:
     assert on.device.asked[-1] == "stop"
 
 
+def test_one_that_wind_takes_from_its_goal_has_run_away_only_when_it_is_farther() -> None:
+    on = bench(Device(replace(ABLE, disturbance=math.radians(10))))
+    on.device.jammed = True
+    on.guard.command(2.0)
+    for off, healthy in ((9.9, True), (10.1, False)):
+        on.device.now = replace(on.device.now, angle=2.0 + math.radians(off))
+        on.clock.sleep(0.02)
+        assert on.guard.state().healthy is healthy
+
+
+@pytest.mark.parametrize("disturbance", [math.nan, math.inf, -0.1])
+def test_a_disturbance_that_is_none_cannot_be_opened(disturbance: float) -> None:
+    with pytest.raises(ConfigError, match="disturbance to be finite and not negative, got"):
+        bench(Device(replace(ABLE, disturbance=disturbance)))
+
+
 def test_one_that_was_pushed_beyond_its_limit_may_come_back() -> None:
     on = bench()
     on.device.jammed = True

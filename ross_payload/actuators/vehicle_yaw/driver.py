@@ -10,6 +10,7 @@ another mode ends a turn, and nothing begins it again but an operator. A stop is
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 from ross_payload.actuators.driver_shell import (
@@ -57,7 +58,8 @@ class VehicleYaw(Driver):
         options.check_consent()
         self._options = options
         self._port: Port
-        self.capabilities = capabilities_of(options, math.radians(options.resolution_deg), Feedback.MEASURED)
+        able = capabilities_of(options, math.radians(options.resolution_deg), Feedback.MEASURED)
+        self.capabilities = replace(able, disturbance=diagnostics.MAX_LAG_RAD)
         self._watch = FlightWatch(options)
         self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, FASTEST_RAD_S, cable=False)
         self._plan = YawSetPoints(self.capabilities, still=STILL_RAD_S)
