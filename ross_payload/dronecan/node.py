@@ -155,8 +155,10 @@ class Node:
     def close(self) -> None:
         """Say that we leave, and leave; idempotent."""
         self.stands(self._health, Mode.OFFLINE, self._code)
-        self.send(self._status())
-        self._port.close()
+        try:
+            self.send(self._status())
+        finally:
+            self._port.close()
 
     # ------------------------------------------------------------------------------------- in
 

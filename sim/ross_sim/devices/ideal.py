@@ -111,10 +111,13 @@ class IdealActuator:
 
     def __exit__(self, *exception: object) -> None:
         """Stop and close the wire."""
-        if self._port is not None:
+        if self._port is None:
+            return
+        try:
             self.stop()
-            self._port.close()
-            self._port = None
+        finally:
+            port, self._port = self._port, None
+            port.close()
 
     def _send(self, frame: Goal | Halt) -> None:
         if self._port is not None:
