@@ -13,6 +13,7 @@ LIMIT_TOLERANCE_RAD = 1e-9  # [rad], so that a limit itself is inside the limits
 MAX_AHEAD_S = 0.05  # a report may be so far ahead of the clock [s]
 PATIENCE_S = 2.0  # without a poll: so long no report grows stale
 STILL_RAD_S = math.radians(2)  # slower is at rest [rad/s]
+SLOWEST_RAD_S = 1e-6  # least speed that is one: a radian in 12 days [rad/s]
 
 
 def guarded(hardware: Capabilities, rules: config.Guard) -> Capabilities:
@@ -21,7 +22,8 @@ def guarded(hardware: Capabilities, rules: config.Guard) -> Capabilities:
     Raises
     ------
     ConfigError
-        When the hardware's numbers are absurd, the travels do not meet, or it cannot be kept below the acceleration.
+        When the hardware's numbers are absurd, the travels do not meet, nothing would move, or it cannot be kept below
+        the acceleration.
     """
     _check_sanity(hardware)
     lower = max(hardware.lower, math.radians(rules.lower_deg))
@@ -40,11 +42,14 @@ def guarded(hardware: Capabilities, rules: config.Guard) -> Capabilities:
             f"guard.max_acceleration_deg_s2: expected an actuator with at most {rules.max_acceleration_deg_s2:g}, "
             f"got one with {found} deg/s^2"
         )
+    speed = min(hardware.max_speed, math.radians(rules.max_speed_deg_s))
+    if speed < SLOWEST_RAD_S:
+        raise ConfigError(f"guard: expected a speed of at least {SLOWEST_RAD_S:g} rad/s, got {speed:g}")
     return replace(
         hardware,
         lower=lower,
         upper=upper,
-        max_speed=min(hardware.max_speed, math.radians(rules.max_speed_deg_s)),
+        max_speed=speed,
         continuous=hardware.continuous and math.isinf(lower) and math.isinf(upper),
     )
 
@@ -83,12 +88,12 @@ def checked_rate(rate: float | None, able: Capabilities) -> float:
     Raises
     ------
     LimitError
-        When it is not above 0 and finite.
+        When it is too slow to be one, or not finite.
     """
     if rate is None:
         return able.max_speed
-    if not (math.isfinite(rate) and rate > 0):
-        raise LimitError(f"rate: expected a finite number above 0, got {rate} rad/s")
+    if not SLOWEST_RAD_S <= rate < math.inf:
+        raise LimitError(f"rate: expected at least {SLOWEST_RAD_S:g} rad/s and finite, got {rate:g}")
     return min(rate, able.max_speed)
 
 

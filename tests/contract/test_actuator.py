@@ -270,7 +270,7 @@ def test_a_goal_outside_the_limits_is_refused_and_nothing_moves(rig: Rig) -> Non
 
 @pytest.mark.on_device
 def test_a_rate_that_is_not_one_is_refused(rig: Rig) -> None:
-    for rate in (0.0, -1.0, math.nan, math.inf):
+    for rate in (0.0, -1.0, math.nan, math.inf, 5e-324, 9e-7):
         with pytest.raises(LimitError, match="rate"):
             rig.actuator.command(1.0, rate)
 

@@ -52,6 +52,13 @@ def test_while_it_homes_reports_stay_fresh_and_it_is_not_settled_before_it_is_ho
     assert len(seen) > 50
 
 
+def test_a_rate_that_grbl_would_round_to_none_is_the_least_that_it_moves_at():
+    bench = Bench().open()
+    bench.actuator.command(math.radians(0.2), 1e-6)
+    bench.until(lambda: bench.state.settled and abs(bench.state.angle) > math.radians(0.1), within=20.0)
+    assert bench.state.healthy
+
+
 def test_a_stop_ends_homing():
     bench = Bench(zero="switch", home_deg=60.0).open()
     bench.actuator.home()

@@ -40,6 +40,11 @@ def test_a_step_as_large_as_the_travel_cannot_be_opened() -> None:
         bench(Device(replace(ABLE, resolution=math.radians(40))), lower_deg=-20, upper_deg=20)
 
 
+def test_a_speed_at_which_nothing_turns_cannot_be_opened() -> None:
+    with pytest.raises(ConfigError, match="a speed of at least 1e-06 rad/s, got"):
+        bench(max_speed_deg_s=1e-6)
+
+
 def test_a_turntable_without_end_still_has_the_configured_limits() -> None:
     able = replace(ABLE, lower=-math.inf, upper=math.inf, continuous=True)
     on = bench(Device(able))

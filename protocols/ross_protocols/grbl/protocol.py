@@ -22,6 +22,7 @@ AXES = "XYZABC"
 STEPS, MAX_RATE, ACCELERATION, TRAVEL = 100, 110, 120, 130  # plus the number of the axis
 IDLE_DELAY, REPORT_MASK, SOFT_LIMITS, HOMING = 1, 10, 20, 22
 INCHES = 13
+MIN_FEED = 1.0  # grbl moves no slower [mm/min]
 _NUMBER = re.compile(r"-?\d{1,9}(?:\.\d{1,6})?")
 _STATE = re.compile(r"([A-Z][a-z]+)(?::(\d))?")
 
@@ -259,12 +260,15 @@ def _shown(line: bytes) -> str:
 def jog(axis: str, goal: float, speed: float) -> bytes:
     r"""Return the line that jogs one axis to a machine position [rad], at most at ``speed`` [rad/s].
 
-    G53: work offsets that somebody has stored do not count.
+    G53: work offsets that somebody has stored do not count. At less than 1 deg/min grbl moves at that
+    (MINIMUM_FEED_RATE in its `config.h`); F0 is an error.
 
     >>> jog("X", math.pi / 2, math.pi)
     b'$J=G90G21G53X90.0000F10800.0\n'
+    >>> jog("X", 0.0, 1e-6)
+    b'$J=G90G21G53X0.0000F1.0\n'
     """
-    return f"$J=G90G21G53{axis}{math.degrees(goal):.4f}F{math.degrees(speed) * 60:.1f}\n".encode()
+    return f"$J=G90G21G53{axis}{math.degrees(goal):.4f}F{max(math.degrees(speed) * 60, MIN_FEED):.1f}\n".encode()
 
 
 def per_degree(resolution: float) -> float:

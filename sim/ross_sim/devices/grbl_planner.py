@@ -12,6 +12,8 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ross_protocols.grbl.protocol import MIN_FEED
+
 PIECE = 0.001  # of a motion, with constant acceleration [s]
 SEGMENT = 10  # pieces that are prepared at once
 AHEAD = 5 * SEGMENT  # pieces that are prepared at most
@@ -97,7 +99,7 @@ class Motion:
             return False
         unit = tuple(side / length for side in sides)
         used = [(axis, abs(part)) for axis, part in zip(self.axes, unit, strict=True) if part]
-        speed = min([feed, *(axis.rate / part for axis, part in used)]) / 60
+        speed = max(MIN_FEED, min([feed, *(axis.rate / part for axis, part in used)])) / 60
         acceleration = min(axis.acceleration / part for axis, part in used)
         entry = self._junction(unit, speed, acceleration)
         self._blocks.append(Block(start, tuple(map(float, target)), unit, length, speed, acceleration, entry))
