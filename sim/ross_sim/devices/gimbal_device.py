@@ -159,12 +159,16 @@ class Device:
         self._aim(clockwise(yaw) - (self._vehicle(now) if earth else 0.0))
 
     def _aim(self, angle: float) -> None:
-        """Take a set-point: the nearest turn inside the travel."""
+        """Take a set-point: the nearest of its turns inside the travel; where none is, the stop that is nearest to it.
+
+        As ArduPilot does with a servo (`AP_Mount_Servo::closest_limit`).
+        """
         servo, before = self.servo, self._goal
         share = min((self._now - self._since) / GLIDE, 1.0)
         self._from += share * (before - self._from)
         near = before + wrap(angle - before)
-        self._goal = min(max(near, servo.lower), servo.upper)
+        inside = [turn for turn in (near, near - math.tau, near + math.tau) if servo.lower <= turn <= servo.upper]
+        self._goal = inside[0] if inside else min(servo.lower, servo.upper, key=lambda stop: abs(wrap(angle - stop)))
         self._since = self._now
 
     def _command(self, packet: Packet, now: float) -> list[Any]:
