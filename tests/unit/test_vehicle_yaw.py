@@ -206,13 +206,19 @@ def test_an_autopilot_that_refuses_to_turn_is_told_of():
     assert "answers CONDITION_YAW with DENIED" in bench.state.fault
 
 
-def test_what_is_no_multicopter_is_not_turned():
+@pytest.mark.parametrize("kind", ["FIXED_WING", "GROUND_ROVER", "SURFACE_BOAT", "SUBMARINE", "VTOL_TILTROTOR"])
+def test_what_is_no_multicopter_is_not_turned(kind):
     bench = Bench()
     bench.far_end.autopilot._heartbeat = lambda: common.MAVLink_heartbeat_message(
-        common.MAV_TYPE_FIXED_WING, common.MAV_AUTOPILOT_ARDUPILOTMEGA, 209, 15, 4, 3
+        getattr(common, f"MAV_TYPE_{kind}"), common.MAV_AUTOPILOT_ARDUPILOTMEGA, 209, GUIDED, 4, 3
     )
     bench.clock.sleep(0.5)
     assert "does not fly a multicopter" in bench.state.fault
+    begin = bench.clock.now()
+    with pytest.raises(ActuatorFault, match="does not fly a multicopter"):
+        bench.actuator.command(1.0)
+    bench.clock.sleep(0.5)
+    assert bench.orders(begin) == []
 
 
 # ----------------------------------------------------------------------------------------- it is the pilot's

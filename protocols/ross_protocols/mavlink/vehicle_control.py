@@ -7,8 +7,9 @@ in its source (ArduCopter 4.6 `autoyaw.cpp`, PX4 `navigator_main.cpp`):
   LOITER, whose yaw is the stick's alone. Relative by 0 it holds the yaw that it has come to.
 - PX4 knows no CONDITION_YAW outside of missions. In Hold it turns to the yaw of DO_REPOSITION [rad]; in Offboard it
   follows SET_POSITION_TARGET_LOCAL_NED, a stream that may not pause for half a second.
-- An armed PX4 on the ground takes off when its set-point is above it: in Hold by 0.2 m (`FlightTask::_checkTakeoff`),
-  in Offboard by anything (`MulticopterPositionControl::Run`). An ArduCopter on the ground obeys no CONDITION_YAW.
+- An armed PX4 on the ground takes off when its set-point is above it: in Hold by about 0.3 m, where it asks for a climb
+  of 0.3 m/s (`FlightTaskAuto::update`), in Offboard by anything (`MulticopterPositionControl::Run`). An ArduCopter on
+  the ground obeys no CONDITION_YAW.
 """
 
 from __future__ import annotations
