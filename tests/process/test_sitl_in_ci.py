@@ -151,6 +151,15 @@ def test_what_a_payload_says_that_ends_by_itself_is_told(tmp_path, environment, 
     assert flown.stderr.splitlines() == ["the payload ended by itself, with exit code 2; its log says:", "says this"]
 
 
+def test_a_payload_that_the_script_ends_while_it_starts_has_not_ended_by_itself(tmp_path, environment):
+    """A program that fails at once: the payload has no handler for SIGTERM yet."""
+    (tmp_path / "ross").write_text("#!/bin/sh\nexec sleep 60\n")
+    program = tmp_path / "program.py"
+    program.write_text("import sys\nsys.exit('no such room')\n")
+    flown = fly(tmp_path, environment, "demo", program)
+    assert (flown.returncode, flown.stderr) == (1, "no such room\n")
+
+
 def test_the_action_hands_every_input_on():
     text = (CI / "action.yml").read_text()
     inputs = re.findall(r"^  (\w+):$", text.partition("runs:")[0], re.M)

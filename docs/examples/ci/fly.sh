@@ -29,8 +29,8 @@ status=0
 "$python" "$program" "udpin:127.0.0.1:$port" "$scenario" "$@" || status=$?
 kill -TERM "$payload" 2> /dev/null || true
 ended=0
-wait "$payload" || ended=$?
-if [ "$ended" -ne 0 ] && [ "$ended" -ne 130 ]; then
+wait "$payload" 2> /dev/null || ended=$?  # the shell says "Terminated" there
+if [ "$ended" -ne 0 ] && [ "$ended" -ne 130 ] && [ "$ended" -ne 143 ]; then  # 143: SIGTERM came while it started
   echo "the payload ended by itself, with exit code $ended; its log says:" >&2
   tail -n 5 "$out/payload.log" >&2
   [ "$status" -ne 0 ] || status=1
