@@ -81,7 +81,7 @@ def _describe(name: str, origin: str) -> Description:
     package = _missing_package(backend)
     if package:
         line = plugins.install_line(plugins.EXTRA_OF[package])
-        return Description(name, origin, False, f"needs the package {package}, but for the simulator: {line}")
+        return Description(name, origin, False, f"needs the package {package} (not in the simulator): {line}")
     lines = (getattr(backend, "about", None) or type(backend).__doc__ or "").strip().splitlines()
     return Description(name, origin, True, lines[0] if lines else "")
 

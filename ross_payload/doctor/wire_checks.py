@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator
 from importlib.util import find_spec
@@ -177,12 +178,12 @@ def _listener(link: Link, address: Udp | Tcp) -> Iterator[Finding]:
 def _key(link: Link, machine: Machine) -> Iterator[Finding]:
     if not link.key_file:
         return
+    path = machine.path(expanded(link.key_file))
     try:
-        read_key(machine.path(expanded(link.key_file)))
+        read_key(path)
     except ConfigError as error:
-        todo = (
-            f"32 random bytes, the same at the ground station: chmod 600 {link.key_file}; chown to the service's user"
-        )
+        made = "" if os.path.lexists(path) else f"head -c 32 /dev/urandom > {link.key_file}; "
+        todo = f"{made}chmod 600 {link.key_file}; chown to the service's user; the same file at the ground station"
         yield fail("keys", str(error), todo)
     else:
         yield ok("keys", f"{link.key_file} is readable by this user only")

@@ -71,7 +71,7 @@ def check(config: Config) -> None:
         raise ConfigError("service.target: expected the name of an enrolled voice for autostart = 'seek', got none")
     model = _at("voice_print.model", partial(ModelFolder.default().in_use, config.voice_print.model))
     if name:
-        _at("service.target", partial(store.check, name))
+        _check_target(store, name)
         with suppress(Damaged):  # it is set aside when the payload starts
             _at("service.target", partial(store.load, name, model))
     check_state_folder(config)
@@ -128,6 +128,14 @@ def _at(key: str, call: Callable[[], T]) -> T:
         return call()
     except ConfigError as error:
         raise type(error)(f"{key}: {error}") from error
+
+
+def _check_target(store: VoiceStore, name: str) -> None:
+    _at("service.target", partial(store.path, name))
+    try:
+        store.check(name)
+    except ConfigError as error:
+        raise ConfigError(f"service.target: {error}; `ross enroll {name} FILE.wav` enrols it") from error
 
 
 def _read_key(named: str) -> bytes:

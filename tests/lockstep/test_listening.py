@@ -122,7 +122,7 @@ def test_a_file_that_is_there_is_refused_and_nothing_is_touched(run, scenario, t
     before = sorted(tmp_path.iterdir())
     code, out, errors = run("sitl", "--scenario", scenario, "--listen", tmp_path / "heard.flac")
     assert (code, out) == (2, "")
-    assert errors == f"ross: --listen: {tmp_path}/heard.flac is there already\n"
+    assert errors == f"ross: --listen: {tmp_path}/heard.flac is there already: delete it, or give another name\n"
     new = tmp_path / "new" / "heard.flac"
     assert run("sitl", "--scenario", scenario, "--listen", new, "--target", "nobody")[0] == 2
     assert (tmp_path / "heard.flac").read_text() == "precious"

@@ -86,6 +86,7 @@ def test_a_good_configuration_is_good(run, tmp_path):
         ),
         ("[informed]\nsigma_deg = 1", "informed.azimuths_deg"),
         ("[array]\nspacing_m = -1", "array.spacing_m"),
+        ("[service]\ntarget = 'nobody'", "is enrolled; enrolled: none; `ross enroll nobody FILE.wav` enrols it"),
     ],
 )
 def test_a_bad_configuration_gets_one_line_and_exit_code_2(run, tmp_path, text, words):

@@ -151,7 +151,18 @@ def test_a_key_below_the_home_folder_is_looked_at_there(tmp_path, monkeypatch):
 
 def test_a_key_that_is_missing_is_found(tmp_path):
     link = {"url": "udpout:127.0.0.1:14550", "key_file": "/etc/ross/key"}
-    assert "No such file" in said(wire_checks.links(config(links=[link]), machine(tmp_path)))[1]
+    (finding,) = (each for each in wire_checks.links(config(links=[link]), machine(tmp_path)) if each.check == "keys")
+    assert "No such file" in finding.found
+    assert finding.todo.startswith("head -c 32 /dev/urandom > /etc/ross/key; chmod 600 /etc/ross/key;")
+
+
+def test_a_key_that_is_there_is_not_to_be_made_again(tmp_path):
+    path = put(tmp_path, "/etc/ross/key")
+    path.write_bytes(b"k" * 32)
+    path.chmod(0o644)
+    link = {"url": "udpout:127.0.0.1:14550", "key_file": "/etc/ross/key"}
+    (finding,) = (each for each in wire_checks.links(config(links=[link]), machine(tmp_path)) if each.check == "keys")
+    assert finding.todo.startswith("chmod 600 /etc/ross/key;")
 
 
 @pytest.mark.parametrize(

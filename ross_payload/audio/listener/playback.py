@@ -59,7 +59,7 @@ def checked_file(path: Path) -> Path:
     if path.suffix.lower() not in SUFFIXES:
         raise ConfigError(f"--out: expected a file that ends in {' or '.join(SUFFIXES)}, got {path}")
     if path.exists():
-        raise ConfigError(f"--out: {path} is there already")
+        raise ConfigError(f"--out: {path} is there already: delete it, or give another name")
     if not path.parent.is_dir():
         raise ConfigError(f"--out: there is no folder {path.parent}")
     return path

@@ -78,7 +78,7 @@ def listening_into(path: Path, listening: Listening) -> Listening:
     with refused_as(ConfigError, f"--listen {path}: cannot be written"):
         TemporaryFile(dir=nearest_there(path.parent)).close()  # what cannot be is told before all is simulated
     if os.path.lexists(path):
-        raise ConfigError(f"--listen: {path} is there already")
+        raise ConfigError(f"--listen: {path} is there already: delete it, or give another name")
     stream = Stream(sink="file", options={"path": str(path) if path.parent != Path() else f"./{path}"})
     changed: Listening = _with(listening, streams=(*listening.streams, stream))
     return changed
