@@ -33,7 +33,7 @@ def test_who_was_checked_and_is_not_the_target_is_not_heard_as_the_target():
 
 
 def test_while_separation_begins_the_mixture_is_heard_and_no_silence():
-    bench = Bench({0: source(0)}, lambda index: np.full(len(index), 0.1))
+    bench = Bench({0: source(0)}, lambda index: np.where(index % 32 < 16, 0.1, -0.1))  # never soft, and no offset
     bench.hear(0.5)
     bench.know()
     bench.hear(0.5)
