@@ -22,8 +22,10 @@ from ross_payload.doctor.probe_moves import Leg, figures, goals, judge
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import ActuatorState, Capabilities, Feedback, Services
 from ross_payload.service.state_folder import owned
+from ross_protocols.mavlink.vehicle_control import EXTENDED_SYS_STATE
 from ross_sim.clock import SimClock
 from ross_sim.devices.far_end import FarEnd, Fault
+from ross_sim.devices.vehicle_far_end import VehicleFarEnd
 
 MOVED = math.radians(0.3)  # a rotor swings a little when it gets its torque [rad]
 NAMES = ["direction", "error", "overshoot", "settling", "play", "speed"]
@@ -112,6 +114,19 @@ def test_a_device_is_called_what_it_calls_itself(kind: str, name: str) -> None:
     findings = on.probe()
     assert on.results.identity.startswith(name)
     assert on.results.identity in about(findings, "device").found
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_a_vehicle_that_does_not_fly_or_does_not_tell_is_not_said_to_be_free_to_turn(told: bool) -> None:
+    on = Workbench("vehicle_yaw")
+    assert isinstance(on.far_end, VehicleFarEnd)
+    if told:
+        on.far_end.afflict(Fault.LANDED)
+    else:
+        on.far_end.autopilot.withhold(EXTENDED_SYS_STATE)
+    on.probe()
+    why = "the vehicle is on the ground" if told else "the autopilot does not tell whether the vehicle flies"
+    assert on.results.identity.startswith(f"ArduCopter, system 1; {why}")
 
 
 def test_one_that_is_still_being_set_up_is_waited_for() -> None:

@@ -42,6 +42,7 @@ ASKING_S = 2.0  # in which an autopilot must tell what it was asked for
 ASKING_PERIOD_S = 0.2  # between two times that it is asked to hold its yaw
 FRESH_S = 0.1  # an attitude that is older is no place to brake from
 STOP_PERIOD_S = 0.1  # between two stops, until the vehicle stands
+TELLING_S = 0.4  # in which an autopilot that has just been found tells whether it may be turned; a probe waits 0.5
 REMIND_PERIOD_S = 1.0  # between set-points of a vehicle that is not yet at its goal after its time
 
 
@@ -75,6 +76,8 @@ class VehicleYaw(Driver):
         self._stands = False  # and stands since then
         self._near = -math.inf  # when it was about where it should be last [s]
         self._us: ComponentId | None = None
+        self._found_at = math.inf  # when the autopilot was found [s]
+        self._may = ""  # whether it may be turned, in words; empty while the autopilot may still tell
         self._asked_at = -math.inf  # since when the autopilot is asked to hold its yaw before a turn [s]
         self._repeated_at = -math.inf  # when it was asked last [s]
         self._accepted_at = -math.inf  # when it has accepted something last [s]
@@ -85,8 +88,8 @@ class VehicleYaw(Driver):
     def identity(self) -> str:
         """Which autopilot it is, and whether it may be turned now."""
         kinds = {vehicle_control.ARDUPILOT: "ArduCopter", vehicle_control.PX4: "PX4"}
-        whom, may = self._watch.whom, self._watch.objection() or "it may be turned"
-        return "" if whom is None else f"{kinds.get(self._watch.kind, 'autopilot')}, system {whom.system}; {may}"
+        whom, may = self._watch.whom, self._may
+        return f"{kinds.get(self._watch.kind, 'autopilot')}, system {whom.system}; {may}" if whom and may else ""
 
     def open(self, port: Port, now: float) -> None:
         """Look for the autopilot; nothing is turned."""
@@ -157,6 +160,7 @@ class VehicleYaw(Driver):
         rested = resting >= self._options.settle_ms * 1e-3 - TIME_TOLERANCE_S
         self._settled = rested and self._pending is None and not trouble and not self._stopping > -math.inf
         self._turning = self._turning and not self._settled
+        self._may = self._permission(now)
         return ActuatorState(
             seen.angle, rate, self._settled, homed=True, healthy=not trouble, time=seen.time, fault=trouble
         )
@@ -186,6 +190,8 @@ class VehicleYaw(Driver):
         self._watch.on_packet(packet, now)
         if self._matters:
             self._objection_heard = self._objection_heard or self._watch.objection()
+        if self._watch.whom is not None:
+            self._found_at = min(self._found_at, now)
         if self._commands is None and packet.name == "HEARTBEAT":
             self._commands = commands_of(self._watch)
             self._plan.ahead = self._commands.period if self._commands is not None else self._plan.ahead
@@ -352,6 +358,12 @@ class VehicleYaw(Driver):
         """Say what is wrong; whether it may be turned matters to a task only."""
         unknown = self._watch.missing() or self._fault or self._ended or diagnostics.contradiction(self._feedback)
         return unknown or (self._objection(now) if self._matters else diagnostics.silence(self._feedback, now))
+
+    def _permission(self, now: float) -> str:
+        """Say whether it may be turned, or why not; empty while the autopilot may still tell."""
+        why = self._watch.missing() or self._watch.objection()
+        unknown = "" if why else self._ignorance(now)
+        return "" if unknown and now - self._found_at < TELLING_S else why or unknown or "it may be turned"
 
     @property
     def _matters(self) -> bool:
