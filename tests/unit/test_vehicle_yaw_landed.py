@@ -68,6 +68,20 @@ def test_a_vehicle_that_comes_to_the_ground_in_a_turn_is_ordered_nothing_more(ki
     assert bench.orders(begin + 0.05) == []
 
 
+@pytest.mark.parametrize("kind", ["ardupilot", "hold"])
+def test_a_turn_that_ends_because_nobody_tells_any_longer_that_it_flies_ends_with_a_stop(kind):
+    """It flew when that was told last."""
+    bench = Bench(kind)
+    bench.actuator.command(math.radians(150))
+    bench.clock.sleep(1.5)
+    bench.far_end.autopilot.withhold(EXTENDED_SYS_STATE)
+    bench.fault(within=1.6)
+    assert "whether the vehicle flies" in bench.state.fault
+    ended = bench.clock.now()
+    bench.clock.sleep(2.0)
+    assert bench.orders(ended) == ["stop" if kind == "ardupilot" else "turn"]
+
+
 def test_on_the_ground_a_px4_gets_no_stream_and_grants_no_offboard():
     """A place is above the vehicle as soon as its height has wandered down, and an armed PX4 in Offboard takes off."""
     bench = Bench("hold", wait=0.0, px4_mode="offboard")

@@ -333,7 +333,7 @@ class VehicleYaw(Driver):
         if motion is None:
             return
         self._brake(now)
-        obeys = self._watch.armed and self._watch.mode == self._watch.wanted_mode and self._watch.flies(now)
+        obeys = self._watch.armed and self._watch.mode == self._watch.wanted_mode and not self._watch.grounded
         if obeys and not (settled or told):
             self._send(commands.stop(self._plan.motion.plan.goal if self._plan.motion else motion.plan.goal, now))
         if not commands.streams:

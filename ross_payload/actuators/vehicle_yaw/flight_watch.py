@@ -78,6 +78,11 @@ class FlightWatch:
             return GUIDED
         return OFFBOARD if self.options.px4_mode == "offboard" else HOLD
 
+    @property
+    def grounded(self) -> str:
+        """Why the vehicle is not turned where it is, as was told last; empty in the air, and when it was not told."""
+        return GROUNDED.get(self._landed[1], "")
+
     def on_packet(self, packet: Packet, now: float) -> None:
         """Take in what somebody of our vehicle says."""
         if packet.component_id != AUTOPILOT:
@@ -147,7 +152,7 @@ class FlightWatch:
             )
         if self.options.yaw_channel and abs(self._stick) > self.options.stick_dead_band_us:
             return f"the pilot moves the yaw stick ({self._stick:+.0f} us): the vehicle is the pilot's"
-        return GROUNDED.get(self._landed[1], "")
+        return self.grounded
 
     def ignorance(self, now: float) -> str:
         """Say what is not told often enough to turn the vehicle; empty when all is."""
