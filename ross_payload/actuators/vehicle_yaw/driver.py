@@ -392,7 +392,7 @@ class SharedVehicle(DriverShell):
 
 
 backend = DriverBackend(
-    "The vehicle itself, an armed multicopter: ArduCopter yaws it in Guided, PX4 in Hold or Offboard.",
+    "The vehicle itself, a multicopter that flies: ArduCopter yaws it in Guided, PX4 in Hold or Offboard.",
     Options,
     VehicleYaw,
     SharedVehicle,

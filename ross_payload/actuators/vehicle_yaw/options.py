@@ -14,7 +14,7 @@ class Options(Table):
     """[actuator.options] of ``vehicle_yaw``."""
 
     port: str = "mavlink:"  # the payload's own links
-    turn_vehicle: bool = False  # must be true: the autopilot turns the whole vehicle while it is armed
+    turn_vehicle: bool = False  # must be true: the autopilot turns the whole vehicle while it flies
     px4_mode: Literal["hold", "offboard"] = "hold"  # in which a PX4 is turned; offboard: a stream that must not end
     lower_deg: Annotated[Degrees, Field(le=0)] = -200.0  # headings, counter-clockwise from north
     upper_deg: Annotated[Degrees, Field(ge=0)] = 200.0
@@ -44,6 +44,6 @@ class Options(Table):
         """
         if not self.turn_vehicle:
             raise ConfigError(
-                "actuator.options.turn_vehicle: expected true, since the autopilot turns the whole vehicle while it is"
-                " armed, got false"
+                "actuator.options.turn_vehicle: expected true, since the autopilot turns the whole vehicle while it"
+                " flies, got false"
             )
