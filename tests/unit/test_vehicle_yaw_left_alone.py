@@ -16,7 +16,7 @@ from ross_protocols.mavlink.vehicle_control import GUIDED, LOITER
 from ross_sim.autopilot.yaw_dynamics import Wind
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
-from vehicle_rig import Bench
+from vehicle_rig import KINDS, Bench
 
 US, VEHICLE = ComponentId(1, 191), ComponentId(1, 1)
 
@@ -184,3 +184,26 @@ def test_a_gust_sends_no_px4_back_to_the_height_at_which_its_last_turn_began():
     bench.actuator.halt()
     bench.clock.sleep(2.0)
     assert bench.modes.altitude == 130.0
+
+
+@pytest.mark.parametrize(("seconds", "limits_deg"), [(9.0, 200.0), (3.3, 100.0)], ids=["turned round", "outside"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_wherever_a_pilot_has_left_it_a_vehicle_stays_and_can_be_turned(kind, seconds, limits_deg):
+    """More than a turn away, or outside the limits: there the stream for Offboard holds it, and no fault comes."""
+    bench = Bench(kind, lower_deg=-limits_deg, upper_deg=limits_deg)
+    automatic = bench.modes.mode
+    bench.far_end.afflict(Fault.MODE)
+    bench.far_end.push(200.0)
+    bench.clock.sleep(seconds)
+    bench.far_end.push(0.0)
+    bench.clock.sleep(1.0)
+    left = bench.yaw_deg
+    assert abs(left) > limits_deg
+    bench.far_end.afflict(Fault.MODE, on=False)
+    bench.modes.enter(automatic, bench.clock.now())
+    bench.clock.sleep(3.0)
+    assert bench.modes.mode == automatic
+    assert bench.yaw_deg == pytest.approx(left, abs=0.1)
+    assert bench.state.healthy, bench.state.fault
+    bench.turn(30.0)
+    assert math.remainder(bench.yaw_deg - 30.0, 360.0) == pytest.approx(0.0, abs=1.0)

@@ -63,7 +63,8 @@ class VehicleYaw(Driver):
         self.capabilities = replace(able, disturbance=diagnostics.MAX_LAG_RAD)
         self._watch = FlightWatch(options)
         self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, FASTEST_RAD_S, cable=False)
-        self._plan = YawSetPoints(self.capabilities, still=STILL_RAD_S)
+        free = replace(able, lower=-math.inf, upper=math.inf)  # others turn it anywhere: it stays there, and comes back
+        self._plan = YawSetPoints(free, still=STILL_RAD_S)
         self._commands: YawCommands | None = None
         self._held = False  # somebody holds it for a task: only then it matters whether it may be turned
         self._held_at = -math.inf  # since when [s]
@@ -102,6 +103,8 @@ class VehicleYaw(Driver):
         """Take in what has arrived."""
         for received in self._port.receive():
             self._on_packet(received, now)
+        if self._watch.mode != self._watch.wanted_mode:
+            self._plan.motion = None  # when that mode begins the vehicle shall stay as it is
         if self._plan.motion is None and not self._inside(self._feedback.angle):
             self._feedback.recount_turns()  # others have turned it round
         seen = self._feedback
@@ -264,8 +267,6 @@ class VehicleYaw(Driver):
 
     def _stay(self, commands: YawCommands, now: float) -> None:
         """Where no turn is under way, stay as the vehicle is; but nowhere while that is not known."""
-        if self._watch.mode != self._watch.wanted_mode:
-            self._plan.motion = None  # when that mode begins the vehicle shall stay as it is
         known = now - self._feedback.time <= FRESH_S and not commands.missing(now)
         if self._plan.motion is None and known:
             sent = self._plan.sent
