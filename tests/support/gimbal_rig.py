@@ -18,8 +18,9 @@ STATION = Encoder(255, 190)
 class Bench:
     """A guarded driver in simulated time, and what crosses its wire."""
 
-    def __init__(self, role="discover", servo=SERVO, *, autopilot=True, opened=True, **far_end):
-        config = Config.model_validate({"actuator": {"kind": "mavlink_gimbal", "options": {"role": role}}})
+    def __init__(self, role="discover", servo=SERVO, *, autopilot=True, opened=True, options=None, **far_end):
+        told = {"role": role} | (options or {})
+        config = Config.model_validate({"actuator": {"kind": "mavlink_gimbal", "options": told}})
         self.clock = SimClock()
         self.far_end = GimbalFarEnd(servo, autopilot=autopilot, **far_end)
         self.clock.before_calls(self.far_end.advance)

@@ -510,6 +510,25 @@ def test_who_homes_says_that_the_gimbal_has_not_turned_round(released):
     assert math.degrees(released.state.angle) == pytest.approx(170, abs=1.0)
 
 
+@pytest.mark.parametrize("yaw_deg", [-100.0, 150.0])
+def test_a_gimbal_that_others_have_left_beyond_our_travel_is_held_there_and_fetched_at_our_speed(yaw_deg):
+    rig = Bench("client", options={"lower_deg": -60.0, "upper_deg": 60.0})
+    rig.point(yaw_deg)
+    rig.clock.sleep(5.0)
+    rig.actuator.take_control()
+    rig.clock.sleep(1.0)
+    assert rig.true_deg == pytest.approx(yaw_deg, abs=0.1)
+    rig.actuator.command(0.2)
+    fastest = 0.0
+    while not rig.state.settled:
+        before = rig.far_end.angle()
+        rig.clock.sleep(0.01)
+        fastest = max(fastest, abs(rig.far_end.angle() - before) / 0.01)
+        assert rig.state.healthy, rig.state
+    assert rig.far_end.angle() == pytest.approx(0.2, abs=math.radians(0.1))
+    assert fastest < 1.05 * rig.actuator.capabilities.max_speed
+
+
 def test_a_stop_of_a_turn_towards_the_end_of_the_travel_sends_nothing_beyond_it(rig):
     rig.actuator.release_control()
     rig.clock.sleep(3.0)

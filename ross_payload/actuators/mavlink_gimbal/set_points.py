@@ -31,6 +31,10 @@ class YawSetPoints(SetPoints):
         self.braking: Motion | None = None
         self.restless = math.inf  # when it was last seen away from its goal [s]
 
+    def hold(self, angle: float, now: float) -> None:
+        """Stay at an angle [rad], also where somebody else has turned it beyond the travel that we keep to."""
+        self._go(Trapezoid.still(angle), now)
+
     def resume(self, seen: GimbalFeedback, move: Move | None, now: float) -> None:
         """Go on from wherever it is seen and however fast it turns: to a goal, or to rest."""
         position, rate = self._there(seen, now)
@@ -67,7 +71,7 @@ class YawSetPoints(SetPoints):
 
     def _there(self, seen: GimbalFeedback, now: float) -> tuple[float, float]:
         rate = seen.rate if abs(seen.rate) >= self._still else 0.0
-        return self._within(seen.angle + rate * (now - seen.time)), rate
+        return seen.angle + rate * (now - seen.time), rate
 
     def _go(self, plan: Trapezoid, now: float) -> None:
         super()._go(plan, now)
