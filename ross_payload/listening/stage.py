@@ -113,8 +113,9 @@ class ListeningStage:
     def hear(self, block: AudioBlock, pointing: Pointing, *, settled: bool) -> None:
         """Take the next hop (2, n), and where the array pointed after it."""
         self._open_or_close()
-        missing = block.flags & AudioFlag.MISSING  # zeros know no offset
-        samples = block.samples if missing else self._offset_filter.push(block.samples)
+        complete = not block.flags & AudioFlag.MISSING
+        take = self._offset_filter.push if complete else self._offset_filter.push_incomplete
+        samples = take(block.samples)
         if not self._streams:
             self._next = -1
             return

@@ -50,6 +50,17 @@ def test_the_offset_is_known_after_a_gap():
     assert abs(bench.kept[0].samples[7 * RATE :].mean()) < 2e-3
 
 
+def test_the_offset_is_not_heard_at_the_edges_of_a_gap():
+    bench = Bench({0: MIXTURE}, lambda index: noise(index) + 0.3)
+    bench.hear(4.0)
+    samples = np.full((2, 160), 0.3, np.float32)
+    samples[:, :40] = 0.0  # never came
+    bench.stage.hear(AudioBlock(samples, bench.index, 9.0, flags=AudioFlag.MISSING), Pointing(), settled=True)
+    bench.index += 160
+    bench.hear(1.0)
+    assert np.abs(bench.kept[0].samples[4 * RATE : 4 * RATE + 160]).max() < 5e-3
+
+
 def test_a_voice_has_the_index_that_it_has_in_the_mixture():
     bench = Bench({0: source(0)}, noise)
     bench.know()
