@@ -260,12 +260,16 @@ class CommandProtocol:
         *older, newest = alike
         going_on = [one for one in older if one.answered is not None]
         heard = newest.sure if newest.order.task else newest.answered is not None
+        rivals = older if newest.order.task and not newest.cancelling else going_on  # it may be to one of these
         if ack.result is Result.IN_PROGRESS:
             if going_on and newest.over and not heard:
                 newest = going_on.pop()  # the latest that the payload is known to have heard
-            self._goes_on(newest, ack.progress, going_on)
-        elif ENDS[ack.result][0] == REFUSED or heard or not going_on:
+                rivals = going_on
+            self._goes_on(newest, ack.progress, rivals)
+        elif ENDS[ack.result][0] == REFUSED or heard or not rivals:
             self._is_over(newest, older, ack.result)
+        elif not going_on:
+            newest.doubted = newest.doubted or newest.sent  # asked once more: the answer may be to one before
         else:
             self._is_over(going_on[-1], going_on[:-1], ack.result)
             newest.trusted = self._trusted(self._peer(who), newest.order)  # the end may come doubled
@@ -282,7 +286,8 @@ class CommandProtocol:
         if given_up or (sure and not one.cancelling):
             one.due = self._now + PROGRESS_TIMEOUT_S
         for other in older:
-            other.answered = self._now  # it may be to that
+            if other.answered is not None:
+                other.answered = self._now  # it may be to that
             if sure and one.order.task:
                 self._end(other, CANCELLED, REPLACED)
         state = ACKNOWLEDGED if first and progress is None else IN_PROGRESS

@@ -99,6 +99,22 @@ def test_what_the_mission_refuses_in_place_of_its_task_ends_nothing_and_begins_n
     assert [type(order).__name__ for order in rig.payload.given] == ["Explore", "ListenTo", "Seek", "Cancel"]
 
 
+@pytest.mark.parametrize(("heading", "state"), [(150, "refused"), (10, "done")])
+def test_a_turn_that_was_lost_is_not_taken_for_the_one_before_whose_answer_was_lost(rig, heading, state):
+    """The first goes on, or has ended, when the second is said again."""
+    rig.orders.order(WHO, Turn(heading))
+    air = rig.payload.ground.air
+    air.odds.loss = 1.0
+    rig.station.wait(0.05)
+    rig.orders.order(WHO, Turn(-40))
+    rig.station.wait(0.05)
+    air.odds.loss = 0.0
+    rig.station.wait(6)
+    assert rig.state() == state
+    assert rig.payload.joint == pytest.approx(math.radians(40 if state == "done" else -150), abs=1e-6)
+    assert state == "done" or rig.state(-2) == "done"
+
+
 def test_what_runs_can_be_cancelled(rig):
     number = rig.orders.order(WHO, Turn(180))
     rig.station.wait(0.5)
