@@ -68,7 +68,7 @@ class _OpenCommand:
     doubted: int = 0  # frames that were sent when the first answer came that may be one to an older order of its kind
     cancelling: int = 0  # COMMAND_CANCEL, so often
     over: bool = False  # given up, until something is heard after all
-    overtaken: bool = False  # a later one of its kind that is forgotten by now may have replaced it
+    unheard: bool = False  # it was given up without an answer: said again later, it might be a new order
 
     @property
     def sure(self) -> bool:
@@ -206,10 +206,6 @@ class CommandProtocol:
                 self._end(one, CANCELLED, REPLACED)
             elif unanswered and one.order.task and (order.task or isinstance(order, Cancel)):
                 self._give_up(one, OVERTAKEN)
-            elif one.over and one.order.number == order.number:
-                del self._open[one.number]
-                for other in self._alike(one):
-                    other.overtaken = other.overtaken or other.number < one.number
 
     def _resend(self, one: _OpenCommand) -> None:
         """Say it again where that can help; a cancel stands for its order."""
@@ -226,9 +222,9 @@ class CommandProtocol:
             one.due = self._now + PROGRESS_POLL_S
 
     def _is_overtaken(self, one: _OpenCommand) -> bool:
-        """Whether a later one of its kind may have replaced it: said again, it would be done in the place of that."""
-        later = any(other.number > one.number for other in self._alike(one))
-        return one.order.task and (one.overtaken or later)
+        """Whether a later one may have replaced it: said again, it would be done in the place of that."""
+        alike = (other for other in self._of(one.who) if other.order.number == one.order.number)
+        return one.order.task and (one.unheard or any(other.number > one.number for other in alike))
 
     def _is_sought(self, one: _OpenCommand) -> bool:
         """Whether it is a stop for somebody who was never heard, but may be any moment: we may have just started."""
@@ -242,6 +238,7 @@ class CommandProtocol:
 
     def _give_up(self, one: _OpenCommand, reason: str = "") -> None:
         one.over, one.due = True, math.inf
+        one.unheard = one.unheard or one.answered is None
         self._change(one, NO_ANSWER, reason or (NOT_ANSWERED if one.answered is None else NO_RESULT))
 
     def _trusted(self, peer: _Peer, order: Order) -> float:
@@ -329,9 +326,6 @@ class CommandProtocol:
 
     def _of(self, who: ComponentId) -> list[_OpenCommand]:
         return [one for one in self._open.values() if one.who == who]
-
-    def _alike(self, one: _OpenCommand) -> list[_OpenCommand]:
-        return [other for other in self._of(one.who) if other.order.number == one.order.number]
 
     def _peer(self, who: ComponentId) -> _Peer:
         return self._peers.setdefault(who, _Peer())

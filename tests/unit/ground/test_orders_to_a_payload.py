@@ -9,6 +9,7 @@ from client_bench import OVER, US, WHO, Served, Station
 from examples import in_soak
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_types import Explore, Listen, Rearm, Stop, Turn
+from ross_payload.orders import Cancel as Cancelled
 from ross_payload.orders import Rearm as Rearmed
 from ross_payload.orders import TurnTo
 
@@ -113,6 +114,38 @@ def test_a_turn_that_was_lost_is_not_taken_for_the_one_before_whose_answer_was_l
     assert rig.state() == state
     assert rig.payload.joint == pytest.approx(math.radians(40 if state == "done" else -150), abs=1e-6)
     assert state == "done" or rig.state(-2) == "done"
+
+
+def test_a_source_that_was_lost_is_not_taken_for_the_one_before_that_was_given_up(rig):
+    rig.orders.order(WHO, Explore())
+    assert rig.station.wait(8, lambda: rig.state() == "done")
+    air = rig.payload.ground.air
+    rig.orders.order(WHO, Listen(source=0))
+    air.odds.loss = 1.0
+    rig.station.wait(6)
+    assert rig.state() == "no_answer"
+    rig.orders.order(WHO, Listen(source=1))
+    rig.station.wait(0.05)
+    air.odds.loss = 0.0
+    rig.station.wait(3)
+    assert [type(order).__name__ for order in rig.payload.given] == ["Explore", "ListenTo", "ListenTo"]
+    assert (rig.state(-2), rig.state()) == ("cancelled", "in_progress")
+
+
+def test_a_source_that_was_given_up_is_not_asked_for_when_the_one_before_it_ends(rig):
+    rig.orders.order(WHO, Explore())
+    assert rig.station.wait(8, lambda: rig.state() == "done")
+    air = rig.payload.ground.air
+    rig.orders.order(WHO, Listen(source=0))
+    air.odds.loss = 1.0
+    rig.station.wait(0.05)
+    rig.orders.order(WHO, Listen(source=1))
+    rig.station.wait(6)
+    air.odds.loss = 0.0
+    rig.station.wait(1.5)
+    rig.payload.give(Cancelled())
+    rig.station.wait(6)
+    assert [type(order).__name__ for order in rig.payload.given] == ["Explore", "ListenTo", "Cancel"]
 
 
 def test_what_runs_can_be_cancelled(rig):
