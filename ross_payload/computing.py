@@ -138,7 +138,11 @@ def on_threads(compute: Callable[[Part], object], parts: Iterable[Part]) -> None
             work()
         return time.thread_time() - began
 
-    helping = _threads.second.submit(help_out)
+    try:
+        helping = _threads.second.submit(help_out)
+    except RuntimeError:  # the interpreter ends, and begins nothing on other threads any more
+        work()
+        return
     try:
         work()
     except BaseException:  # Ctrl-C, too

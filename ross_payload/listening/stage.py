@@ -113,6 +113,9 @@ class ListeningStage:
     def hear(self, block: AudioBlock, pointing: Pointing, *, settled: bool) -> None:
         """Take the next hop (2, n), and where the array pointed after it."""
         self._open_or_close()
+        if not self._wanted:  # as while nobody listens to most missions: then the offset is not looked for either
+            self._next = -1
+            return
         complete = not block.flags & AudioFlag.MISSING
         take = self._offset_filter.push if complete else self._offset_filter.push_incomplete
         samples = take(block.samples)

@@ -116,6 +116,26 @@ def test_without_control_groups_nothing_is_limited(tmp_path: Path, groups: str |
     assert quota(tmp_path) == math.inf
 
 
+ENDING = """
+import threading
+import time
+from ross_payload.computing import computing, on_threads
+
+def listen():
+    with computing(threads=2):
+        while True:
+            on_threads(lambda _: time.sleep(0.001), range(4))
+
+threading.Thread(target=listen, daemon=True).start()
+time.sleep(0.2)
+"""
+
+
+def test_a_thread_that_computes_to_the_end_of_the_program_says_nothing() -> None:
+    done = subprocess.run([sys.executable, "-c", ENDING], capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+
+
 def test_another_thread_computes_alone() -> None:
     names: set[str] = set()
 
