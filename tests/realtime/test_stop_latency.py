@@ -14,7 +14,7 @@ from contextlib import ExitStack, contextmanager, nullcontext, suppress
 import numpy as np
 import pytest
 
-from pulse_rig import CANCEL, SEPARATING, STOP, Rig, busy_loops, deceleration_began, noise_file, rises
+from pulse_rig import CANCEL, HOME, REARM, SEPARATING, STOP, Rig, busy_loops, deceleration_began, noise_file, rises
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.actuators.tb6600.pulse_segments import RecordingPulses
 from ross_payload.clock import SystemClock
@@ -225,6 +225,8 @@ def ended(rig, number, after):
     """The latency of a signal in the middle of a move, or of the death that it brings [s]."""
     died = pytest.raises(AssertionError, match="periodic call failed") if number == signal.SIGUSR1 else nullcontext()
     with died, rig(("-c", BREAKING)) as payload:
+        # one that has died before has left its stop and an unknown zero
+        assert (payload.ground.order(REARM), payload.ground.order(HOME)) == (ACCEPTED, ACCEPTED)
         payload.turn(after)
         given = time.monotonic()
         payload.process.send_signal(number)
