@@ -13,6 +13,9 @@ from ross_sim.devices.gimbal_far_end import GimbalFarEnd
 
 SERVO = Servo(math.radians(-202), math.radians(202), max_speed=2.0, max_acceleration=4.0)
 STATION = Encoder(255, 190)
+FREE, PAYLOAD, GROUND = (0, 0), (1, 191), (255, 190)
+ITSELF, NOBODY = -2.0, -3.0
+SET_POINT, CONFIGURE = "GIMBAL_MANAGER_SET_PITCHYAW", "COMMAND_LONG 1001"
 
 
 class Bench:
@@ -91,3 +94,13 @@ class Bench:
 
 def _command(number, *values):
     return common.MAVLink_command_long_message(1, 1, number, 0, *values, *[0.0] * (7 - len(values)))
+
+
+def after_a_task(rig):
+    """The same bench when a task has turned the gimbal and is over."""
+    rig.actuator.take_control()
+    rig.actuator.command(0.4)
+    rig.settle()
+    rig.actuator.release_control()
+    rig.clock.sleep(0.5)
+    return rig

@@ -14,6 +14,7 @@ from ross_sim.devices.vehicle_far_end import VehicleFarEnd
 
 AIRFRAME = Airframe(max_speed=math.radians(60), max_acceleration=math.radians(90), torque=math.radians(300))
 KINDS = ("ardupilot", "hold", "offboard")
+LATENCY = 0.02  # of the link, each way [s]
 
 
 class Bench:
@@ -61,3 +62,13 @@ class Bench:
     def orders(self, since: float = -math.inf) -> list[str]:
         """Orders to turn and to stop that have come to the autopilot."""
         return [what for when, what in self.far_end.orders if when > since]
+
+
+def in_a_turn(kind: str, phase: float, *, ignores_stick: bool = False) -> Bench:
+    """A bench whose vehicle turns, ``phase`` [s] later than it is fast, over a link that takes its time."""
+    bench = Bench(kind, latency=LATENCY, wait=1.2 if kind == "offboard" else 0.6)
+    bench.modes.ignores_stick = ignores_stick
+    bench.actuator.command(math.radians(190))
+    bench.clock.sleep(1.0 + phase)
+    assert bench.state.rate > 0.3
+    return bench

@@ -1,0 +1,115 @@
+"""Control of a gimbal behind an autopilot is given back when no task needs it, whatever has happened meanwhile."""
+
+import math
+
+import pytest
+
+from gimbal_rig import CONFIGURE, FREE, PAYLOAD, SET_POINT, Bench, after_a_task
+from ross_sim.clock import QUANTUM
+
+
+@pytest.fixture
+def rig():
+    return Bench("client")
+
+
+@pytest.fixture
+def released(rig):
+    return after_a_task(rig)
+
+
+def test_after_a_task_control_is_released_and_nothing_is_streamed(released):
+    assert released.primary == FREE
+    assert not {SET_POINT, CONFIGURE} & set(released.sent(3.0))
+    assert released.far_end.angle() == pytest.approx(0.4, abs=math.radians(0.1))
+
+
+def test_a_release_in_a_move_comes_into_force_at_its_end(rig):
+    rig.actuator.command(1.0)
+    rig.clock.sleep(0.5)
+    rig.actuator.release_control()
+    rig.clock.sleep(0.3)
+    assert rig.primary == PAYLOAD
+    rig.clock.sleep(3.0)
+    assert rig.primary == FREE
+    assert rig.far_end.angle() == pytest.approx(1.0, abs=math.radians(0.1))
+
+
+def test_a_release_that_is_lost_is_said_again(rig):
+    rig.actuator.command(0.1)
+    rig.settle()
+    rig.actuator.release_control()
+    rig.far_end.port.sent.clear()
+    while CONFIGURE not in rig.sent(0.01):
+        pass
+    rig.far_end.port.sent.clear()
+    rig.clock.sleep(1.0)
+    assert rig.primary == FREE
+
+
+def test_control_that_was_taken_to_home_is_given_back(released):
+    released.actuator.home()
+    released.clock.sleep(1.0)
+    assert released.primary == PAYLOAD
+    released.actuator.release_control()
+    released.clock.sleep(2.0)
+    assert released.primary == FREE
+
+
+def test_control_is_given_back_after_a_fault_of_a_payload_that_was_held_up():
+    """The autopilot seems to have restarted, and has not: it still says that we are in control."""
+    rig = Bench()
+    rig.actuator.command(0.3)
+    rig.settle()
+    rig.cancel()
+    rig.clock.sleep(4.0)
+    rig.clock.every(QUANTUM, lambda: rig.actuator.poll(rig.clock.now()))
+    rig.clock.sleep(0.5)
+    assert "has restarted: control is lost" in rig.state.fault
+    assert rig.primary == PAYLOAD
+    rig.actuator.release_control()
+    rig.clock.sleep(2.0)
+    assert rig.primary == FREE
+
+
+@pytest.mark.parametrize("outage", [2.5, 6.0])
+def test_control_is_given_back_after_an_outage_of_the_link_in_which_a_task_ended(outage):
+    rig = Bench()
+    rig.actuator.command(0.3)
+    rig.settle()
+    port = rig.far_end.port
+    send, receive = port.send, port.receive
+    port.send, port.receive = (lambda message: None), (lambda: receive()[:0])
+    rig.actuator.release_control()
+    rig.clock.sleep(outage)
+    assert rig.primary == PAYLOAD
+    port.send, port.receive = send, receive
+    rig.clock.sleep(2.5)
+    assert rig.primary == FREE
+
+
+def test_control_that_was_granted_as_the_link_failed_is_given_back_afterwards(rig):
+    """The autopilot has put the payload in control, and nobody has heard that, nor that it was released."""
+    port = rig.far_end.port
+    send, receive = port.send, port.receive
+    port.receive = lambda: receive()[:0]
+    rig.actuator.command(0.3)
+    rig.clock.sleep(0.2)
+    port.send = lambda message: None
+    rig.clock.sleep(2.5)
+    rig.actuator.release_control()
+    rig.clock.sleep(6.0)
+    assert rig.primary == PAYLOAD
+    port.send, port.receive = send, receive
+    rig.clock.sleep(2.5)
+    assert rig.primary == FREE
+
+
+def test_control_that_a_killed_payload_has_left_behind_is_given_back(rig):
+    """The first that the autopilot tells of control: later on it would be another program with our ids."""
+    rig.far_end.autopilot.take_control(PAYLOAD)
+    assert rig.sent(3.0).count(CONFIGURE) < 3
+    assert rig.primary == FREE
+    rig.clock.sleep(1.0)
+    rig.far_end.autopilot.take_control(PAYLOAD)
+    assert CONFIGURE not in rig.sent(3.0)
