@@ -117,6 +117,7 @@ def test_without_control_groups_nothing_is_limited(tmp_path: Path, groups: str |
 
 
 ENDING = """
+import atexit
 import threading
 import time
 from ross_payload.computing import computing, on_threads
@@ -128,6 +129,7 @@ def listen():
 
 threading.Thread(target=listen, daemon=True).start()
 time.sleep(0.2)
+atexit.register(time.sleep, 0.3)  # called when pools of threads take nothing any more
 """
 
 
