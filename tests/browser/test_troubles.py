@@ -243,6 +243,7 @@ def test_a_dropped_log_is_played_and_compared(alone, open_page, tmp_path):
 def test_a_log_that_is_dropped_anywhere_is_played_and_the_page_stays(alone, open_page, tmp_path):
     write_hour(tmp_path / "walk.tlog", seconds=2, payloads=1)
     page = open_page(alone.url)
+    page.get_by_role("heading", name="Payloads").wait_for()  # it listens: its scripts come after it is loaded
     kept = page.evaluate(
         """(bytes) => {
       const dataTransfer = new DataTransfer();
