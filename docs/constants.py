@@ -27,7 +27,9 @@ ROWS = {
 
 def tables() -> str:
     """What each constant of the predicted gain stands for, and its values."""
-    lines = [(f"${name}$", means, *(f"{value:g}{unit}" for value in pair)) for name, (means, pair, unit) in ROWS.items()]
+    lines = [
+        (f"${name}$", means, *(f"{value:g}{unit}" for value in pair)) for name, (means, pair, unit) in ROWS.items()
+    ]
     return "\n".join(f"| {' | '.join(cells)} |" for cells in (HEADER, ("---",) * len(HEADER), *lines))
 
 

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, requires, version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -111,6 +112,11 @@ def _is_installed(requirement: str) -> bool:
 
 
 def pip() -> str:
-    """``pip`` where it is the one of the Python that runs this, else that Python's full path."""
+    """``pip`` where it is the one of the Python that runs this, else that Python's full path.
+
+    An environment without pip, as a package carries, is written by that of the system.
+    """
     ours = Path(sys.executable).with_name("pip")
-    return "pip" if shutil.which("pip") == str(ours) else f"{sys.executable} -m pip"
+    if shutil.which("pip") == str(ours):
+        return "pip"
+    return f"{sys.executable} -m pip" if find_spec("pip") else f"python3 -m pip --python {sys.executable}"

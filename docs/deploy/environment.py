@@ -20,7 +20,7 @@ from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parents[2]
 EXTRAS = "capture,serial,can,gpio,ground"
-DIALECTS = ("common.py", "__init__.py")  # of pymavlink, version 2; ours is in ross_protocols
+DIALECTS = ("ardupilotmega.py", "common.py", "__init__.py")  # of pymavlink, version 2; ours is in ross_protocols
 STUBS = ("*.pyi", "*.pxd", "*.pyx", "*.h", "*.a")
 SMALLEST = (  # without what no part of the payload imports, and a plug-in hardly ever
     "lxml",  # with which pymavlink generates dialects

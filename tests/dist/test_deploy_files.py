@@ -104,3 +104,13 @@ def test_a_wrong_configuration_is_not_restarted_without_end(file):
     policies = re.findall(r"(?m)(?:--restart|^ *restart:) (\S+)", (ROOT / file).read_text())
     assert policies
     assert all(re.fullmatch(r"on-failure:\d+`[.;]?|on-failure:\d+", policy) for policy in policies), policies
+
+
+def test_every_dialect_that_is_imported_stays(environment):
+    sources = (
+        path.read_text()
+        for name in ("ross_payload", "sim", "protocols/ross_protocols")
+        for path in (ROOT / name).rglob("*.py")
+    )
+    found = {name for text in sources for name in re.findall(r"from pymavlink\.dialects\.v20 import (\w+)", text)}
+    assert {f"{name}.py" for name in found} | {"__init__.py"} == set(environment.DIALECTS)

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 import pytest
 
 from mavproxy_prompt import mavproxy, need_mavproxy
+from ross_payload.plugins import pip
 
 pytestmark = pytest.mark.process
 SCENARIO = """
@@ -97,7 +98,7 @@ def test_without_mavproxy_one_line_says_what_to_install(tmp_path):
     command = [sys.executable, "-c", blind, "mavproxy"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 2
-    assert done.stderr == "ross: MAVProxy is not installed here: pip install mavproxy\n"
+    assert done.stderr == f"ross: MAVProxy is not installed here: {pip()} install mavproxy\n"
 
 
 COMPLETE = """

@@ -53,3 +53,10 @@ def test_one_plugin_that_two_packages_bring_is_one(monkeypatch, points):
     points()
     monkeypatch.setattr(plugins, "entry_points", lambda group: [EntryPoint("good", "math:tau", group)] * 2)
     assert plugins.load("ross_payload.things", "good") == pytest.approx(6.283185307)
+
+
+def test_an_environment_without_pip_is_written_by_that_of_the_system(monkeypatch):
+    monkeypatch.setattr(plugins, "find_spec", lambda name: None)
+    monkeypatch.setattr(plugins.shutil, "which", lambda name: None)
+    monkeypatch.setattr(plugins.sys, "executable", "/opt/ross/bin/python")
+    assert plugins.install_line("serial").startswith("python3 -m pip --python /opt/ross/bin/python install '")

@@ -9,6 +9,7 @@ import sys
 import click
 
 from ross_payload.ground.errors import GroundError
+from ross_payload.plugins import pip
 
 MODULE = "ross_payload.ground.mavproxy.mavproxy_ross"
 PASS_ON = {"ignore_unknown_options": True, "allow_interspersed_args": False}
@@ -22,7 +23,7 @@ EPILOG = "Exit codes: those of MAVProxy; 2 when it is not installed."
 def command(arguments: tuple[str, ...]) -> None:
     """Run MAVProxy, such as: ross mavproxy --master=udpin:127.0.0.1:14550. Type 'ross help' in it."""
     if importlib.util.find_spec("MAVProxy") is None:
-        raise GroundError("MAVProxy is not installed here: pip install mavproxy")
+        raise GroundError(f"MAVProxy is not installed here: {pip()} install mavproxy")
     teach()
     sys.argv = ["mavproxy.py", "--dialect", "ardupilotmega", "--load-module", MODULE, *arguments]
     runpy.run_module("MAVProxy.mavproxy", run_name="__main__", alter_sys=True)

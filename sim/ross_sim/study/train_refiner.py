@@ -28,6 +28,7 @@ from threadpoolctl import threadpool_limits
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
+from ross_payload.plugins import pip
 from ross_payload.separation.network import arrays_of, encode_network, shipped_arrays
 from ross_sim.cache import Array, cached, fingerprint
 from ross_sim.study import noise_pieces, refiner_model
@@ -229,7 +230,7 @@ def _import(name: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise ConfigError(f"training needs the package {name}: pip install jax optax") from error
+        raise ConfigError(f"training needs the package {name}: {pip()} install jax optax") from error
 
 
 @dataclass(frozen=True, slots=True)
