@@ -1,18 +1,16 @@
 """Five payloads at 10 Hz: how far the page is behind them, what that costs, and whether anything grows."""
 
-import json
 import os
 import statistics
 import threading
 import time
 from contextlib import closing
-from itertools import pairwise
-from pathlib import Path
 
 import pytest
 
 from browsing import eventually
 from fleet_bench import FleetBench
+from ross_sim.study.long_run_rows import PageRun
 from served_ground import served
 
 PAYLOADS, RATE = 5, 10.0
@@ -73,22 +71,21 @@ class Watch:
         third = len(settled) // 3
         return min(row[column] for row in settled[-third:]) / min(row[column] for row in settled[:third])
 
-    def figures(self):
+    def run(self):
         latencies = sorted(self.latencies)
-        return {
-            "seconds": round(self.rows[-1][0]),
-            "drawings": len(latencies),
-            "median_ms": round(statistics.median(latencies), 1),
-            "p95_ms": round(latencies[int(0.95 * len(latencies))], 1),
-            "max_ms": round(latencies[-1], 1),
-            "core": round(self.core, 3),
-            "dropped": self.rows[-1][5] - self.rows[0][5],
-            "dropped_at_s": [round(now[0]) for before, now in pairwise(self.rows) if now[5] > before[5]],
-            "computer_paused_ms": round(1e3 * self._pauses.longest, 1),
+        return PageRun(
+            seconds=round(self.rows[-1][0]),
+            frames=len(latencies),
+            median_ms=round(statistics.median(latencies), 1),
+            p95_ms=round(latencies[int(0.95 * len(latencies))], 1),
+            max_ms=round(latencies[-1], 1),
+            core=round(self.core, 3),
+            dropped=self.rows[-1][5] - self.rows[0][5],
+            paused_ms=round(1e3 * self._pauses.longest, 1),
             **{name: round(self.growth(column), 3) for column, name in enumerate(GROWING, 1)},
-            "rss_mb": round(self.rows[-1][1] / 2**20, 1),
-            "heap_mb": round(self.rows[-1][3] / 2**20, 1),
-        }
+            memory_mb=round(self.rows[-1][1] / 2**20, 1),
+            heap_mb=round(self.rows[-1][3] / 2**20, 1),
+        )
 
 
 GROWING = ("memory", "files", "heap", "nodes")
@@ -113,19 +110,17 @@ def watched(open_page, seconds):
 
 @pytest.mark.soak
 def test_the_page_keeps_up_with_five_payloads(open_page):
-    figures = watched(open_page, 9.0).figures()
-    assert figures["drawings"] > 20
-    assert figures["median_ms"] < 1000
+    run = watched(open_page, 9.0).run()
+    assert run.frames > 20
+    assert run.median_ms < 1000
 
 
 @pytest.mark.soak
 @pytest.mark.timeout(HOUR + 600)
-def test_an_hour_of_five_payloads(open_page):
-    watch = watched(open_page, HOUR)
-    figures = watch.figures()
-    told = json.dumps(figures)
-    Path(os.environ.get("ROSS_FIGURES", os.devnull)).write_text(told + "\n")
-    assert figures["p95_ms"] < 150, told
-    assert figures["core"] < 0.5, told
-    assert all(figures[name] < 1.1 for name in GROWING), told
-    assert not figures["dropped"], told
+def test_an_hour_of_five_payloads(open_page, written):
+    run = watched(open_page, HOUR).run()
+    written("page.csv", [run])
+    assert run.p95_ms < 150, run
+    assert run.core < 0.5, run
+    assert all(getattr(run, name) < 1.1 for name in GROWING), run
+    assert not run.dropped, run

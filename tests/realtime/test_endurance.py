@@ -14,6 +14,7 @@ import pytest
 
 from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.dialect import common
+from ross_sim.study.long_run_rows import PayloadRun
 from waiting import wait_for
 
 LOOPBACK = "127.0.0.1"
@@ -229,7 +230,7 @@ def test_a_short_life_leaves_nothing_behind_and_counts_what_it_did_not_hear(benc
 
 @pytest.mark.soak
 @pytest.mark.timeout(MINUTES * 60 + 600)
-def test_an_hour_of_tasks_links_and_microphones_that_come_and_go_grows_nothing(bench, capsys):
+def test_an_hour_of_tasks_links_and_microphones_that_come_and_go_grows_nothing(bench, capsys, written):
     relay, ground, watch, ports = bench
     rng, end, ends, outages = np.random.default_rng(1), time.monotonic() + MINUTES * 60, [], 0
     while time.monotonic() < end:
@@ -238,18 +239,27 @@ def test_an_hour_of_tasks_links_and_microphones_that_come_and_go_grows_nothing(b
             relay.unplug(rng.uniform(0.5, 5.0))
             outages += 1
     time.sleep(5.0)
-    audio, told = ground.latest["ROSS_AUDIO"], account(watch.columns(WARM))
-    told |= {"tasks": len(ends), "accepted": ends.count(0), "outages": outages, "reopened": audio.reopened}
-    told |= {"lost_s": audio.lost / RATE, "missing_s": relay.missing, "silence_s": ground.silence}
+    audio = ground.latest["ROSS_AUDIO"]
+    run = PayloadRun(
+        **account(watch.columns(WARM)),
+        orders=len(ends),
+        accepted=ends.count(0),
+        unplugged=outages,
+        reopened=audio.reopened,
+        missing_s=round(relay.missing, 2),
+        lost_s=round(audio.lost / RATE, 2),
+        silence_s=round(ground.silence, 2),
+    )
+    written("endurance.csv", [run])
     with capsys.disabled():
-        print(json.dumps(told))  # noqa: T201
-    assert told["growth_mb"] < 15.0
-    assert told["threads"][0] == told["threads"][-1]
-    assert told["files"][0] == told["files"][-1]
-    assert told["pump"] < 0.06  # motor, links, telemetry
-    assert ground.silence < 2.0  # a heartbeat late by a second at most, whatever else the computer does
-    assert audio.reopened == outages
-    assert audio.lost / RATE == pytest.approx(relay.missing, abs=0.1 * outages)
+        print(run)  # noqa: T201
+    assert run.growth_mb < 15.0
+    assert run.threads_first == run.threads_last
+    assert run.files_first == run.files_last
+    assert run.pump < 0.06  # motor, links, telemetry
+    assert run.silence_s < 2.0  # a heartbeat late by a second at most, whatever else the computer does
+    assert run.reopened == run.unplugged
+    assert run.lost_s == pytest.approx(run.missing_s, abs=0.1 * outages)
 
 
 def account(columns):
@@ -262,12 +272,16 @@ def account(columns):
     clock, resident, threads, files, cpu, pump = columns
     seconds = clock[-1] - clock[0]
     third = max(len(resident) // 3, 1)
+    first, last = (np.percentile(each, 10).item() for each in (files[:120], files[-120:]))  # between two recordings
     return {
-        "minutes": seconds / 60,
-        "growth_mb": resident[-third:].min() - resident[:third].min(),
-        "resident_mb": resident[:: max(len(resident) // 10, 1)].round(1).tolist(),
-        "threads": threads[[0, -1]].tolist(),
-        "files": [np.percentile(each, 10).item() for each in (files[:120], files[-120:])],  # between two recordings
-        "cpu": (cpu[-1] - cpu[0]) / seconds,
-        "pump": (pump[-1] - pump[0]) / seconds,
+        "minutes": round(seconds / 60, 1),
+        "growth_mb": round(resident[-third:].min() - resident[:third].min(), 2),
+        "least_mb": round(resident.min(), 1),
+        "most_mb": round(resident.max(), 1),
+        "threads_first": int(threads[0]),
+        "threads_last": int(threads[-1]),
+        "files_first": first,
+        "files_last": last,
+        "cpu": round((cpu[-1] - cpu[0]) / seconds, 4),
+        "pump": round((pump[-1] - pump[0]) / seconds, 4),
     }

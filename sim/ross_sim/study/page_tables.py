@@ -37,6 +37,7 @@ from ross_sim.study.exploration_tables import counts, finds, reliability
 from ross_sim.study.heading_rows import HeadingRow, headings
 from ross_sim.study.headroom_rows import HeadroomRow, headroom
 from ross_sim.study.layout_gains import GainRow, gain_rows
+from ross_sim.study.long_run_rows import ListeningMinute, PageRun, PayloadRun, endurance, listening, page_runs
 from ross_sim.study.mission_rows import MissionRow
 from ross_sim.study.mission_table import missions
 from ross_sim.study.motion_rows import MotionRow, motions
@@ -97,6 +98,9 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
     NetworkRow: _bodies({"networks": networks}),
     StopRow: _bodies({"stops": stops, "answers": answers}),
     PulseRow: _bodies({"pulses": pulses}),
+    PayloadRun: _bodies({"endurance": endurance}),
+    ListeningMinute: _bodies({"listening": listening}),
+    PageRun: _bodies({"page-runs": page_runs}),
     live_tables.Row: {"live": live_tables.tables},
     BenchmarkSeparation: _bodies({"benchmark-separation": separation_table}),
     BenchmarkLocalization: _bodies({"benchmark-localization": localization_table}),
