@@ -13,6 +13,7 @@ from typing import Any, Protocol
 from ross_payload import trusted_autopilot
 from ross_payload.interfaces import Clock
 from ross_protocols.mavlink import vehicle
+from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.vehicle import SystemTime, TimeSync
 
 SAMPLES = 16  # round trips kept: the quickest one tells most
@@ -39,6 +40,10 @@ class ReceivedPacket(trusted_autopilot.ReceivedPacket, Protocol):
 class Component(Protocol):
     """A component on the links."""
 
+    @property
+    def id(self) -> ComponentId:
+        """Its address."""
+
     def send(self, value: Any, link: str | None = None) -> None:
         """Send a message on one link, or on all."""
 
@@ -51,8 +56,8 @@ class Timebase:
 
     After the UNIX time was set back they go on at nine tenths of real time until they agree with it again.
 
-    Everything but `usec`, `utc` and `unix` belongs to the pump. Requests of TIMESYNC are answered, whoever asks; every
-    heartbeat of the autopilot (1 Hz) is answered with a request of our own.
+    Everything but `usec`, `utc` and `unix` belongs to the pump. Requests of TIMESYNC to us, or to everybody, are
+    answered, whoever asks; every heartbeat of the autopilot (1 Hz) is answered with a request of our own.
 
     Parameters
     ----------
@@ -117,7 +122,7 @@ class Timebase:
         """Take in what any link has heard."""
         message = vehicle.read(received.packet.message)
         if isinstance(message, TimeSync) and message.answered is None:
-            self._answer(message, received.link)
+            self._answer(message, received)
         elif not self._autopilot.sent(received):
             return
         elif isinstance(message, TimeSync) and message.answered is not None:
@@ -140,11 +145,13 @@ class Timebase:
         if message.unix is not None and message.unix < PLAUSIBLE:
             self._set(message.unix - (self.local(message.boot) or self._clock.now()))
 
-    def _answer(self, request: TimeSync, link: str) -> None:
+    def _answer(self, request: TimeSync, received: ReceivedPacket) -> None:
+        """Tell who asks our time, and in whose name it is told: the requests of others are alike."""
         now = self._clock.now()
-        if now - self._answered >= ANSWER_PERIOD_S:
+        asked = self._component is not None and request.target.includes(self._component.id)
+        if asked and now - self._answered >= ANSWER_PERIOD_S:
             self._answered = now
-            self._send(TimeSync(request.asked, self._nanoseconds()), link)
+            self._send(TimeSync(request.asked, self._nanoseconds(), received.packet.sender), received.link)
 
     def _measure(self, asked: int, answered: int) -> None:
         """Take the answer to one of our requests for what it says half-way through its round trip."""

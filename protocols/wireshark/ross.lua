@@ -54,6 +54,7 @@ messageName = {
     [54009] = 'ROSS_LINK',
     [54010] = 'ROSS_STREAM',
     [80] = 'COMMAND_CANCEL',
+    [111] = 'TIMESYNC',
     [226] = 'RPM',
     [291] = 'ESC_STATUS',
     [300] = 'PROTOCOL_VERSION',
@@ -76,7 +77,6 @@ messageName = {
     [76] = 'COMMAND_LONG',
     [77] = 'COMMAND_ACK',
     [110] = 'FILE_TRANSFER_PROTOCOL',
-    [111] = 'TIMESYNC',
     [244] = 'MESSAGE_INTERVAL',
     [251] = 'NAMED_VALUE_FLOAT',
     [253] = 'STATUSTEXT',
@@ -966,6 +966,11 @@ f.COMMAND_CANCEL_target_system = ProtoField.new("target_system (uint8_t)", "mavl
 f.COMMAND_CANCEL_target_component = ProtoField.new("target_component (uint8_t)", "mavlink_proto.COMMAND_CANCEL_target_component", ftypes.UINT8, nil)
 f.COMMAND_CANCEL_command = ProtoField.new("command (uint16_t)", "mavlink_proto.COMMAND_CANCEL_command", ftypes.UINT16, nil)
 
+f.TIMESYNC_tc1 = ProtoField.new("tc1 (int64_t) [ns]", "mavlink_proto.TIMESYNC_tc1", ftypes.INT64, nil)
+f.TIMESYNC_ts1 = ProtoField.new("ts1 (int64_t) [ns]", "mavlink_proto.TIMESYNC_ts1", ftypes.INT64, nil)
+f.TIMESYNC_target_system = ProtoField.new("target_system (uint8_t)", "mavlink_proto.TIMESYNC_target_system", ftypes.UINT8, nil)
+f.TIMESYNC_target_component = ProtoField.new("target_component (uint8_t)", "mavlink_proto.TIMESYNC_target_component", ftypes.UINT8, nil)
+
 f.RPM_rpm1 = ProtoField.new("rpm1 (float) [rpm]", "mavlink_proto.RPM_rpm1", ftypes.FLOAT, nil)
 f.RPM_rpm2 = ProtoField.new("rpm2 (float) [rpm]", "mavlink_proto.RPM_rpm2", ftypes.FLOAT, nil)
 
@@ -1202,9 +1207,6 @@ f.FILE_TRANSFER_PROTOCOL_target_component = ProtoField.new("target_component (ui
 for i = 0, 250 do
     f["FILE_TRANSFER_PROTOCOL_payload_"..i] = ProtoField.new("payload["..i.."] (uint8_t)", "mavlink_proto.FILE_TRANSFER_PROTOCOL_payload_"..i, ftypes.UINT8, nil)
 end
-
-f.TIMESYNC_tc1 = ProtoField.new("tc1 (int64_t) [ns]", "mavlink_proto.TIMESYNC_tc1", ftypes.INT64, nil)
-f.TIMESYNC_ts1 = ProtoField.new("ts1 (int64_t) [ns]", "mavlink_proto.TIMESYNC_ts1", ftypes.INT64, nil)
 
 f.MESSAGE_INTERVAL_message_id = ProtoField.new("message_id (uint16_t)", "mavlink_proto.MESSAGE_INTERVAL_message_id", ftypes.UINT16, nil)
 f.MESSAGE_INTERVAL_interval_us = ProtoField.new("interval_us (int32_t) [us]", "mavlink_proto.MESSAGE_INTERVAL_interval_us", ftypes.INT32, nil)
@@ -2184,6 +2186,25 @@ function payload_fns.payload_80(buffer, tree, msgid, offset, limit, pinfo)
     subtree = tree:add_le(f.COMMAND_CANCEL_target_component, tvbrange)
     tvbrange = padded(offset + 0, 2)
     subtree = tree:add_le(f.COMMAND_CANCEL_command, tvbrange)
+end
+-- dissect payload of message type TIMESYNC
+function payload_fns.payload_111(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 18 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 18)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 0, 8)
+    subtree = tree:add_le(f.TIMESYNC_tc1, tvbrange)
+    tvbrange = padded(offset + 8, 8)
+    subtree = tree:add_le(f.TIMESYNC_ts1, tvbrange)
+    tvbrange = padded(offset + 16, 1)
+    subtree = tree:add_le(f.TIMESYNC_target_system, tvbrange)
+    tvbrange = padded(offset + 17, 1)
+    subtree = tree:add_le(f.TIMESYNC_target_component, tvbrange)
 end
 -- dissect payload of message type RPM
 function payload_fns.payload_226(buffer, tree, msgid, offset, limit, pinfo)
@@ -4001,21 +4022,6 @@ function payload_fns.payload_110(buffer, tree, msgid, offset, limit, pinfo)
     subtree = ftptree:add_le(f.FILE_TRANSFER_PROTOCOL_payload_offset, tvbrange)
     tvbrange = padded(offset + 3 + 12, payload_size)
     subtree = ftptree:add_le(f.FILE_TRANSFER_PROTOCOL_payload_data, tvbrange)
-end
--- dissect payload of message type TIMESYNC
-function payload_fns.payload_111(buffer, tree, msgid, offset, limit, pinfo)
-    local padded, field_offset, value, subtree, tvbrange
-    if (offset + 16 > limit) then
-        padded = buffer(0, limit):bytes()
-        padded:set_size(offset + 16)
-        padded = padded:tvb("Untruncated payload")
-    else
-        padded = buffer
-    end
-    tvbrange = padded(offset + 0, 8)
-    subtree = tree:add_le(f.TIMESYNC_tc1, tvbrange)
-    tvbrange = padded(offset + 8, 8)
-    subtree = tree:add_le(f.TIMESYNC_ts1, tvbrange)
 end
 -- dissect payload of message type MESSAGE_INTERVAL
 function payload_fns.payload_244(buffer, tree, msgid, offset, limit, pinfo)

@@ -9,6 +9,7 @@ import pytest
 from ross_payload.timebase import Timebase
 from ross_protocols.mavlink import vehicle
 from ross_protocols.mavlink.codec import Decoder, Encoder
+from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.vehicle import SystemTime, TimeSync
 from ross_sim.clock import SimClock
@@ -24,6 +25,8 @@ class Heard:
 
 class Voice:
     """Remembers what was sent."""
+
+    id = ComponentId(1, 191)
 
     def __init__(self):
         self.sent = []
@@ -131,10 +134,26 @@ def test_a_small_difference_is_worked_off_and_not_jumped(bench):
     assert 0 < timebase.usec() - before < 0.05e6
 
 
-def test_a_request_is_answered_to_whoever_asks_where_it_came_from(bench):
+@pytest.mark.parametrize("target", [(0, 0), (1, 0), (1, 191)])
+def test_a_request_is_answered_to_whoever_asks_where_it_came_from(bench, target):
     clock, voice, _ = bench
-    voice.call(Heard(vehicle.time_sync(TimeSync(asked=77)), role="ground", system_id=255, component_id=190))
-    assert voice.sent == [(TimeSync(77, round(clock.now() * 1e9)), "udpin:autopilot:1")]
+    request = vehicle.time_sync(TimeSync(77, target=ComponentId(*target)))
+    voice.call(Heard(request, role="ground", system_id=255, component_id=190))
+    assert voice.sent == [(TimeSync(77, round(clock.now() * 1e9), ComponentId(255, 190)), "udpin:autopilot:1")]
+
+
+def test_a_request_of_a_client_without_targets_is_answered_in_its_name(bench):
+    _, voice, _ = bench
+    voice.call(Heard(common.MAVLink_timesync_message(0, 77), role="ground", system_id=255, component_id=190))
+    assert [said.target for said, _ in voice.sent] == [ComponentId(255, 190)]
+
+
+@pytest.mark.parametrize("target", [(1, 1), (2, 0), (2, 191)])
+def test_a_request_to_somebody_else_is_not_answered(bench, target):
+    _, voice, _ = bench
+    request = vehicle.time_sync(TimeSync(77, target=ComponentId(*target)))
+    voice.call(Heard(request, role="ground", system_id=255, component_id=190))
+    assert not voice.sent
 
 
 def test_a_flood_of_requests_is_not_answered_by_a_flood(bench):

@@ -792,6 +792,7 @@ MAVLINK_MSG_ID_ROSS_ISOLATION = 54008
 MAVLINK_MSG_ID_ROSS_LINK = 54009
 MAVLINK_MSG_ID_ROSS_STREAM = 54010
 MAVLINK_MSG_ID_COMMAND_CANCEL = 80
+MAVLINK_MSG_ID_TIMESYNC = 111
 MAVLINK_MSG_ID_RPM = 226
 MAVLINK_MSG_ID_ESC_STATUS = 291
 MAVLINK_MSG_ID_PROTOCOL_VERSION = 300
@@ -1412,6 +1413,47 @@ class MAVLink_command_cancel_message(MAVLink_message):
 setattr(MAVLink_command_cancel_message, "name", mavlink_msg_deprecated_name_property())
 
 
+class MAVLink_timesync_message(MAVLink_message):
+    """
+    What time it is on two clocks: a request, and its answer.
+    """
+
+    id = MAVLINK_MSG_ID_TIMESYNC
+    msgname = "TIMESYNC"
+    fieldnames = ["tc1", "ts1", "target_system", "target_component"]
+    ordered_fieldnames = ["tc1", "ts1", "target_system", "target_component"]
+    fieldtypes = ["int64_t", "int64_t", "uint8_t", "uint8_t"]
+    fielddisplays_by_name: Dict[str, str] = {}
+    fieldenums_by_name: Dict[str, str] = {}
+    fieldunits_by_name: Dict[str, str] = {"tc1": "ns", "ts1": "ns"}
+    native_format = bytearray(b"<qqBB")
+    orders = [0, 1, 2, 3]
+    lengths = [1, 1, 1, 1]
+    array_lengths = [0, 0, 0, 0]
+    crc_extra = 34
+    unpacker = struct.Struct("<qqBB")
+    instance_field = None
+    instance_offset = -1
+
+    def __init__(self, tc1: int, ts1: int, target_system: int = 0, target_component: int = 0):
+        MAVLink_message.__init__(self, MAVLink_timesync_message.id, MAVLink_timesync_message.msgname)
+        self._fieldnames = MAVLink_timesync_message.fieldnames
+        self._instance_field = MAVLink_timesync_message.instance_field
+        self._instance_offset = MAVLink_timesync_message.instance_offset
+        self.tc1 = tc1
+        self.ts1 = ts1
+        self.target_system = target_system
+        self.target_component = target_component
+
+    def pack(self, mav: "MAVLink", force_mavlink1: bool = False) -> bytes:
+        return self._pack(mav, self.crc_extra, self.unpacker.pack(self.tc1, self.ts1, self.target_system, self.target_component), force_mavlink1=force_mavlink1)
+
+
+# Define name on the class for backwards compatibility (it is now msgname).
+# Done with setattr to hide the class variable from mypy.
+setattr(MAVLink_timesync_message, "name", mavlink_msg_deprecated_name_property())
+
+
 class MAVLink_rpm_message(MAVLink_message):
     """
     What two sensors of speed tell to an ArduPilot.
@@ -1813,6 +1855,7 @@ mavlink_map: Dict[int, Type[MAVLink_message]] = {
     MAVLINK_MSG_ID_ROSS_LINK: MAVLink_ross_link_message,
     MAVLINK_MSG_ID_ROSS_STREAM: MAVLink_ross_stream_message,
     MAVLINK_MSG_ID_COMMAND_CANCEL: MAVLink_command_cancel_message,
+    MAVLINK_MSG_ID_TIMESYNC: MAVLink_timesync_message,
     MAVLINK_MSG_ID_RPM: MAVLink_rpm_message,
     MAVLINK_MSG_ID_ESC_STATUS: MAVLink_esc_status_message,
     MAVLINK_MSG_ID_PROTOCOL_VERSION: MAVLink_protocol_version_message,
@@ -2719,6 +2762,30 @@ class MAVLink(object):
 
         """
         self.send(self.command_cancel_encode(target_system, target_component, command), force_mavlink1=force_mavlink1)
+
+    def timesync_encode(self, tc1: int, ts1: int, target_system: int = 0, target_component: int = 0) -> MAVLink_timesync_message:
+        """
+        What time it is on two clocks: a request, and its answer.
+
+        tc1                       : In an answer the time of the sender; 0: a request. [ns] (type:int64_t)
+        ts1                       : The time of who asks, also in the answer. [ns] (type:int64_t)
+        target_system             : System that is asked, 0: all; in an answer the one that has asked. (type:uint8_t)
+        target_component          : Component that is asked, 0: all; in an answer the one that has asked. (type:uint8_t)
+
+        """
+        return MAVLink_timesync_message(tc1, ts1, target_system, target_component)
+
+    def timesync_send(self, tc1: int, ts1: int, target_system: int = 0, target_component: int = 0, force_mavlink1: bool = False) -> None:
+        """
+        What time it is on two clocks: a request, and its answer.
+
+        tc1                       : In an answer the time of the sender; 0: a request. [ns] (type:int64_t)
+        ts1                       : The time of who asks, also in the answer. [ns] (type:int64_t)
+        target_system             : System that is asked, 0: all; in an answer the one that has asked. (type:uint8_t)
+        target_component          : Component that is asked, 0: all; in an answer the one that has asked. (type:uint8_t)
+
+        """
+        self.send(self.timesync_encode(tc1, ts1, target_system, target_component), force_mavlink1=force_mavlink1)
 
     def rpm_encode(self, rpm1: float, rpm2: float) -> MAVLink_rpm_message:
         """

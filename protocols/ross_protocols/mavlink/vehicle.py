@@ -11,12 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.component_id import ComponentId, target_of
+from ross_protocols.mavlink.dialect import common, ross
 from ross_protocols.mavlink.field_converters import clockwise
 
 NO_HEADING = 65535  # of GLOBAL_POSITION_INT
 AUTOPILOT = 1  # component id: MAV_COMP_ID_AUTOPILOT1
 SINCE_1970 = 1_577_836_800  # UNIX time of 2020 [s]: a clock that says less has not been set
+EVERYBODY = ComponentId(0, 0)  # as a target
 STEEP = math.radians(80)  # beyond this pitch the yaw of an aircraft means nothing
 
 
@@ -45,6 +47,7 @@ class TimeSync:
 
     asked: int  # clock of whoever asks [ns]
     answered: int | None = None  # clock of whoever answers [ns], None: a request
+    target: ComponentId = EVERYBODY  # of a request who is asked, of an answer who has asked
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +84,7 @@ def read(message: Any) -> VehicleAttitude | SystemTime | TimeSync | None:
             seconds = message.time_unix_usec / 1e6
             return SystemTime(message.time_boot_ms / 1e3, seconds if seconds > SINCE_1970 else None)
         case "TIMESYNC":
-            return TimeSync(message.ts1, message.tc1 or None)
+            return TimeSync(message.ts1, message.tc1 or None, target_of(message))
     return None
 
 
@@ -108,7 +111,7 @@ def system_time(value: SystemTime) -> Any:
 
 def time_sync(value: TimeSync) -> Any:
     """Return TIMESYNC."""
-    return common.MAVLink_timesync_message(value.answered or 0, value.asked)
+    return ross.MAVLink_timesync_message(value.answered or 0, value.asked, *value.target)
 
 
 def message_interval(system_id: int, message_id: int, hertz: float) -> Any:

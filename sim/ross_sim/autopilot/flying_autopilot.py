@@ -101,8 +101,8 @@ class FlyingAutopilot:
     def on_packet(self, packet: Packet, now: float) -> list[Any]:
         """Obey a command or a set-point, answer TIMESYNC; return the answers."""
         message, said = packet.message, vehicle.read(packet.message)
-        if isinstance(said, TimeSync) and said.answered is None:
-            return [vehicle.time_sync(TimeSync(said.asked, round((now + BOOT) * 1e9)))]
+        if isinstance(said, TimeSync) and said.answered is None and said.target.includes(self.address):
+            return [vehicle.time_sync(TimeSync(said.asked, round((now + BOOT) * 1e9), packet.sender))]
         if (getattr(message, "target_system", 0), getattr(message, "target_component", 0)) != self.address:
             return []
         if packet.name == "SET_POSITION_TARGET_LOCAL_NED":

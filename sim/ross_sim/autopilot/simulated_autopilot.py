@@ -155,7 +155,7 @@ class Autopilot:
     def _obey(self, plug: _Plug, packet: Packet, now: float) -> None:
         message, said = packet.message, vehicle.read(packet.message)
         if isinstance(said, TimeSync) and said.answered is None:
-            self._send(plug, vehicle.time_sync(TimeSync(said.asked, round(self._shown(now) * 1e9))))
+            self._send(plug, vehicle.time_sync(TimeSync(said.asked, round(self._shown(now) * 1e9), packet.sender)))
         elif self._manager is not None and _for_manager(packet):
             for answer in self._manager.on_packet(packet, now):
                 self._send(plug, answer)
