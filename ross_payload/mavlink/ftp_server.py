@@ -1,8 +1,9 @@
 """The file server: files to be read over MAVLink FTP, a few in memory and, where asked for, recordings.
 
-`on_packet` takes what arrives and `tick` the time, both on the thread of the pump. A client may have several sessions,
-each with a number that it chooses and one open file. Of a session only what it has open, and the last answer that took
-a while, is remembered, so that a request that comes twice is answered twice alike. Nothing can be written.
+`on_packet` takes what arrives and `tick` the time, both on the thread of the pump. A client, a sender on one way, may
+have several sessions, each with a number that it chooses and one open file. Of a session only what it has open, and
+the last answer that took a while, is remembered, so that a request that comes twice is answered twice alike. Nothing
+can be written.
 """
 
 from __future__ import annotations
@@ -13,8 +14,9 @@ import struct
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
-from ross_payload.mavlink.component import Component, Received
+from ross_payload.mavlink.component import Component, Received, Way
 from ross_payload.mavlink.ftp_session import Content, InMemory, Session
 from ross_payload.mavlink.recording_files import FOLDER, Recordings
 from ross_payload.mavlink.router import LOCAL
@@ -37,7 +39,14 @@ BURST, RATE = 40, 20.0  # requests at once, and [1/s]; what is more is as if los
 log = logging.getLogger(__name__)
 
 _Job = Callable[[], Content | bytes]  # touches the disk
-_Key = tuple[ComponentId, int]  # a client, and the number of one of its sessions
+
+
+class _Key(NamedTuple):
+    """A client, and the number of one of its sessions; ground stations with the same ids differ in the way."""
+
+    way: Way
+    client: ComponentId
+    number: int
 
 
 class FtpServer:
@@ -93,9 +102,8 @@ class FtpServer:
             return
         if request.opcode in (Opcode.ACK, Opcode.NAK) or not self._bucket.spend(self._now):
             return
-        key = sender, request.session
+        key = _Key(received.way, sender, request.session)
         session = self._sessions.get(key) or Session(received.link)
-        session.link = received.link
         answer = self._answers.get(request.opcode, self._unknown)(request, key, session)
         if answer is not None:
             self._send(answer, sender, received.link)
@@ -116,7 +124,7 @@ class FtpServer:
                     break
                 left -= 1
                 session.sent(request, answer)
-                self._send(answer, key[0], session.link)
+                self._send(answer, key.client, session.link)
                 self._sessions.move_to_end(key)  # the others first, the next time
 
     # ------------------------------------------------------------------------------------- open, list, check
@@ -176,14 +184,14 @@ class FtpServer:
         else:
             answer = self._answer(request, key, session, job.result())
         session.last_answer = request, answer, self._now
-        self._send(answer, key[0], session.link)
+        self._send(answer, key.client, session.link)
 
     def _answer(self, request: Packet, key: _Key, session: Session, found: Content | bytes) -> Packet:
         if isinstance(found, bytes):
             return _listed(request, found) if request.opcode == Opcode.LIST else _answered(request, found)
         session.open(found, _name(request))
         size = f"{found.size / 1e6:.1f} MB"
-        log.info("MAVLink FTP: %d/%d reads %s (%s) over %s", *key[0], session.name, size, session.link)
+        log.info("MAVLink FTP: %d/%d reads %s (%s) over %s", *key.client, session.name, size, session.link)
         return _answered(request, struct.pack("<I", found.size))
 
     def _close(self, request: Packet, key: _Key, session: Session) -> Packet:
@@ -191,7 +199,7 @@ class FtpServer:
         return _answered(request)
 
     def _reset(self, request: Packet, key: _Key, session: Session) -> Packet:
-        for each in [other for other in self._sessions if other[0] == key[0]]:
+        for each in [other for other in self._sessions if other[:2] == key[:2]]:
             del self._sessions[each]
         return _answered(request)
 

@@ -10,9 +10,12 @@ from ports import free_port
 from ross_payload.config import Config, Link
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.mavlink import Router
+from ross_payload.mavlink.ftp_server import FtpServer
 from ross_payload.mavlink.param_server import ParamServer
 from ross_payload.orders import TurnTo
+from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.ftp import Opcode, Packet, message_of, packet_of
 from ross_sim.clock import SimClock
 
 BEAT = ross.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
@@ -96,3 +99,22 @@ def test_what_one_sends_more_often_than_the_other_is_no_loss(stations):
             station.send(BEAT)
             stations.links.poll()
     assert stations.links.status()[0].lost == 0
+
+
+def test_each_reads_the_file_that_it_has_opened(stations):
+    """Both choose session 0, as clients that take a number from the server do."""
+    server = FtpServer(stations.links.component(191), {"a": b"A" * 9, "b": b"B" * 9})
+
+    def ask(station, opcode, data=b"", size=0):
+        station.listen()
+        station.send(message_of(Packet(1, opcode, data=data, size=size or len(data)), ComponentId(1, 191)))
+        stations.links.poll()
+        server.tick(stations.clock.now())
+        return next(packet for message in station.listen() if (packet := packet_of(message)) is not None)
+
+    for station, name in ((stations.ground, b"a"), (stations.other, b"b")):
+        assert ask(station, Opcode.OPEN_RO, name).opcode == Opcode.ACK
+    assert ask(stations.ground, Opcode.READ, size=9).data == b"A" * 9
+    assert ask(stations.other, Opcode.READ, size=9).data == b"B" * 9
+    ask(stations.other, Opcode.RESET)
+    assert ask(stations.ground, Opcode.READ, size=9).data == b"A" * 9
