@@ -12,9 +12,10 @@ from ross_payload.mavlink.decoders import ManyPeers, SinglePeer
 from ross_payload.token_bucket import TokenBucket
 from ross_payload.transport.open_port import Server
 from ross_payload.transport.ports import Peer, Transport
-from ross_protocols.mavlink.codec import Encoder, Packet
+from ross_protocols.mavlink.codec import Encoder, Packet, message_of
 from ross_protocols.mavlink.commands import is_stop
 from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.signing import SIGNATURE_SIZE, Guardian, Trust, is_signed
 
 ADMISSION_TIMEOUT_S = 5.0  # with connections that have not shown our key [s]
@@ -22,6 +23,7 @@ BURST = 0.5  # [s] of the rate of a budget that may go out at once
 LARGEST_FRAME = 293  # signed, with a full payload [bytes]
 SERIAL_SHARE = 0.5  # of a serial line's bytes that we may use
 BITS_PER_BYTE = 10  # on a serial line: start bit, eight, stop bit
+TIMES_BURST, TIMES_RATE = 20, 20.0  # heartbeats for those whose signing time is behind, at once, and [1/s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +74,8 @@ class Channel:
         if self._listener is not None and (guardian is not None or not self._listener.connected):
             self._listener.require_admission()
         self._encoders: dict[ComponentId, Encoder] = {}
+        self._heartbeat = b""  # the latest, as it was sent
+        self._times = TokenBucket(TIMES_BURST, TIMES_RATE)
         self._baud = port.counts.baud
         self._budget = budget_of(config, self._baud)
         self._counts = {"sent": 0, "sent_bytes": 0, "dropped": 0, "received": 0, "refused": 0}
@@ -92,6 +96,8 @@ class Channel:
             return b""
         frame = self._encoder(sender).encode(content, stamp)
         self._port.send(frame)
+        if message_of(content).get_msgId() == common.MAVLINK_MSG_ID_HEARTBEAT:
+            self._heartbeat = frame
         self._counts["sent"] += 1
         self._counts["sent_bytes"] += len(frame)
         return frame
@@ -105,7 +111,7 @@ class Channel:
             self._listener.expire(ADMISSION_TIMEOUT_S, now)
         for packet, peer in self._decoders.read(now):
             self._counts["received"] += 1
-            arrived = Arrived(packet, peer) if self._guardian is None else judged(self._guardian, packet, peer, now)
+            arrived = self._judged(packet, peer, now)
             if arrived is None:
                 self._counts["refused"] += 1
             else:
@@ -150,6 +156,17 @@ class Channel:
         """Give the port back; idempotent."""
         self._port.close()
 
+    def _judged(self, packet: Packet, peer: Peer, now: float) -> Arrived | None:
+        """Return what may be believed; who signs with a time behind ours is told ours, and is believed from then on."""
+        if self._guardian is None:
+            return Arrived(packet, peer)
+        trust = self._guardian.judge(packet, now)
+        if trust is Trust.BEHIND and self._listener is not None and self._heartbeat and self._times.spend(now):
+            self._listener.send_to(self._heartbeat, peer)  # all that it hears until it is believed
+            self._counts["sent"] += 1
+            self._counts["sent_bytes"] += len(self._heartbeat)
+        return judged(trust, self._guardian, packet, peer)
+
     def _encoder(self, sender: ComponentId) -> Encoder:
         if sender not in self._encoders:
             key = None if self._guardian is None else self._guardian.key
@@ -157,18 +174,18 @@ class Channel:
         return self._encoders[sender]
 
 
-def judged(guardian: Guardian, packet: Packet, peer: Peer, now: float) -> Arrived | None:
-    """Return what a signature lets pass; None: nothing.
+def judged(trust: Trust, guardian: Guardian, packet: Packet, peer: Peer) -> Arrived | None:
+    """Return what a signature of this worth lets pass; None: nothing.
 
     A stop needs no time that is on the disk: to play it again harms nobody. That of other orders is their sender's only
     proof, so while the disk takes none they are refused, aloud.
     """
-    trust, stop = guardian.judge(packet, now), is_stop(packet.message)
+    stop = is_stop(packet.message)
     if trust is Trust.BELIEVED or (trust is Trust.UNSAVED and stop):
         return Arrived(packet, peer)
     if trust is Trust.UNSAVED and guardian.time.trouble:
         return Arrived(packet, peer, refusal=guardian.time.trouble)
-    if trust is Trust.OLD and stop and guardian.time.trouble:
+    if trust in (Trust.OLD, Trust.BEHIND) and stop and guardian.time.trouble:
         return Arrived(packet, peer, fresh=False)
     return None
 

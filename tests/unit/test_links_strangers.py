@@ -3,7 +3,7 @@
 import socket
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,8 +13,9 @@ from clocks import LeapingClock
 from ports import free_port
 from ross_payload.config import Link
 from ross_payload.mavlink import Received, Router
-from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.signing import link_and_time, timestamp_of
 from strangers import BEAT, KEY, STOP, Station, Strangers, key_file, stop_command
 from waiting import wait_for
 
@@ -202,6 +203,68 @@ def test_when_there_are_too_many_the_peer_unheard_for_longest_makes_room(listeni
             except BlockingIOError:
                 told.append((number, False))
     assert [number for number, answered in told if not answered] == [1]
+
+
+@pytest.mark.parametrize("kind", ["udpin", "tcpin"])
+@pytest.mark.parametrize("lag", [120.0, 86400.0], ids=["two minutes", "a day"])
+def test_a_station_whose_time_is_behind_is_told_ours_and_is_believed_then(listening, kind, lag) -> None:
+    """As after a crash of ours, or where its computer has no clock: it follows what it hears, as MAVLink wants it."""
+    payload, station = listening(kind, signed=True), Encoder(255, 190, KEY, 7)
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM if kind == "tcpin" else socket.SOCK_DGRAM) as sock:
+        sock.connect(payload.where)
+        sock.settimeout(0.01)
+
+        def heard() -> bytes:
+            payload.poll()
+            with suppress(TimeoutError):
+                return sock.recv(2048)
+            return b""
+
+        payload.say()
+        sock.send(station.encode(BEAT, timestamp_of(time.time() - lag)))
+        told = wait_for(heard)
+        assert [packet.name for packet in Decoder().feed(told)] == ["HEARTBEAT"]
+        payload.say()
+        assert (payload.heard, heard()) == ([], b""), "it is not believed, and told no more"
+        sock.send(station.encode(stop_command(), link_and_time(told)[1] + 1))
+        (order,) = wait_for(payload.poll)
+        assert order.may_order
+        payload.say()
+        assert wait_for(heard)
+
+
+def test_a_station_that_starts_again_with_a_clock_behind_ours_is_believed_after_one_heartbeat(listening) -> None:
+    payload, first = listening("udpin", signed=True), Station(time.time() + 300.0)
+    payload.say()
+    with first.sock, Station(time.time()).sock as sock:
+        first.sock.sendto(first.frame(), payload.where)
+        wait_for(lambda: payload.poll() or payload.links.status()[0].received)
+        payload.say()
+        wait_for(lambda: first.sock.sendto(first.frame(), payload.where) and payload.poll())
+        payload.say()
+        again = Encoder(255, 190, KEY, 7)
+        sock.sendto(again.encode(BEAT, timestamp_of(time.time())), payload.where)
+
+        def heard() -> bytes:
+            payload.poll()
+            with suppress(BlockingIOError):
+                return sock.recv(2048)
+            return b""
+
+        told = link_and_time(wait_for(heard))[1]
+        payload.heard.clear()
+        sock.sendto(again.encode(stop_command(), told + 1), payload.where)
+        assert wait_for(payload.poll)
+
+
+def test_of_a_flood_of_frames_from_before_few_are_answered(listening) -> None:
+    payload, station = listening("udpin", signed=True), Station(time.time() - 120.0)
+    with station.sock:
+        payload.say()
+        for _ in range(300):
+            station.sock.sendto(station.frame(), payload.where)
+            payload.poll()
+        assert 20 <= station.listen() < 40
 
 
 # ---------------------------------------------------------------------------------------------------- connections

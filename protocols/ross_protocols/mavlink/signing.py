@@ -19,6 +19,7 @@ SECOND = 100_000  # in units of a timestamp
 EPOCH = 1_420_070_400  # 1 January 2015, UNIX time [s]
 LATEST = 2**48 - 1  # timestamp
 WINDOW = 60 * SECOND  # that a new stream may be behind us
+DELAY = 1 * SECOND  # by which a network may deliver a frame late, or once more
 STREAMS = 1024  # that one link keeps apart
 UNSIGNED = "RADIO_STATUS"  # a radio has no key
 
@@ -55,6 +56,7 @@ class Trust(Enum):
 
     BELIEVED = "believed"
     UNSAVED = "its timestamp is not saved to disk yet: after a crash it could be replayed"
+    BEHIND = "signed with our key, and far behind: its sender has not heard our time yet, or it is a replay"
     OLD = "signed with our key, but its timestamp is old: it may be a replay"
     REFUSED = "not signed with our key"
 
@@ -99,12 +101,24 @@ class Guardian:
         link, timestamp = link_and_time(packet.frame)
         stream = link, packet.system_id, packet.component_id
         before = self._streams.get(stream)
-        if timestamp <= self.time.floor or (before is not None and timestamp <= before):
-            return Trust.OLD
-        if before is None and (len(self._streams) >= STREAMS or self.time.behind(timestamp, now)):
-            return Trust.OLD
+        late = self._late(timestamp, now) if before is None else _not_after(timestamp, before)
+        if late is not None:
+            return late
         self._streams[stream] = timestamp
         if not self.time.covers(timestamp, now):
             return Trust.UNSAVED
         self.time.learn(timestamp)
         return Trust.BELIEVED
+
+    def _late(self, timestamp: int, now: float) -> Trust | None:
+        """Return why a new stream cannot begin with a timestamp; None: it can."""
+        if len(self._streams) >= STREAMS:
+            return Trust.OLD
+        return Trust.BEHIND if timestamp <= self.time.floor or self.time.behind(timestamp, now) else None
+
+
+def _not_after(timestamp: int, before: int) -> Trust | None:
+    """Return why a stream cannot go on with a timestamp; None: it can."""
+    if timestamp > before:
+        return None
+    return Trust.BEHIND if timestamp + DELAY < before else Trust.OLD
