@@ -5,8 +5,10 @@ from __future__ import annotations
 import errno
 import select
 import socket
-from collections.abc import Callable, Collection
+import struct
+from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import replace
 
 from ross_payload.errors import reason
@@ -18,6 +20,11 @@ MAX_DATAGRAM_BYTES = 2048
 MAX_DATAGRAMS = 512  # of one call: 50,000 a second, before the system drops what a flood leaves no room for
 BUFFER_BYTES = 4 << 20  # of datagrams that may wait with the system, which may grant less: 0.3 s of a flood of 30,000/s
 BROADCAST = "expected the address of one computer, got a broadcast address; or let it connect to a udpin link"
+REPORTS = ((socket.IPPROTO_IP, 11), (socket.IPPROTO_IPV6, 25))  # IP_RECVERR and IPV6_RECVERR of linux/in.h and in6.h
+REPORT = struct.Struct("=IB11x")  # the begin of sock_extended_err: which error, and who says so
+BY_NETWORK = (2, 3)  # SO_EE_ORIGIN_ICMP and _ICMP6
+REPORT_BYTES = 512  # of what comes with one report
+ATTEMPTS = 3  # to send one datagram, when what the system reports is about others
 ALL_BYTES = MAX_DATAGRAMS * MAX_DATAGRAM_BYTES  # of one call, where what strangers say is thrown away unread
 
 
@@ -122,7 +129,10 @@ class UdpPeer:
 
 
 class UdpServer:
-    """Datagrams to everybody heard from or, where admission is required, to those admitted."""
+    """Datagrams to everybody heard from or, where admission is required, to those admitted.
+
+    A peer whose computer answers that no program has its port is sent nothing until it is heard again.
+    """
 
     connected = False
 
@@ -131,6 +141,9 @@ class UdpServer:
         self._peers: dict[ports.Peer, None] = {}  # the latest heard from is last
         self._admission = False
         self.counts = ports.Counts()
+        for level, option in REPORTS:
+            with suppress(OSError):  # of the other family
+                sock.setsockopt(level, option, 1)
 
     def fileno(self) -> int:
         """Return a descriptor that is readable when something has arrived."""
@@ -146,12 +159,21 @@ class UdpServer:
 
     def send(self, frame: bytes) -> None:
         """Send one datagram to each peer."""
-        for peer in self._peers:
+        for peer in tuple(self._peers):
             self.send_to(frame, peer)
 
     def send_to(self, frame: bytes, peer: ports.Peer) -> None:
         """Send one datagram."""
-        self.counts = _sent(self.counts, lambda: self._socket.sendto(frame, peer))
+        for left in reversed(range(ATTEMPTS)):
+            try:
+                self._socket.sendto(frame, peer)
+            except OSError as error:
+                if left and self._read_reports():  # it was about an earlier datagram; this one was not sent
+                    continue
+                self.counts = ports.with_failure(self.counts, error)
+            else:
+                self.counts = replace(self.counts, sent=self.counts.sent + 1)
+            return
 
     def receive(self) -> list[bytes]:
         """Return the datagrams that have arrived."""
@@ -177,7 +199,19 @@ class UdpServer:
         """Close the socket."""
         self._socket.close()
 
+    def _read_reports(self) -> bool:
+        """Forget the peers at whose ports nobody listens; tell whether the system had anything to report."""
+        for number in range(MAX_DATAGRAMS):
+            try:
+                _, control, _, peer = self._socket.recvmsg(0, REPORT_BYTES, socket.MSG_ERRQUEUE)
+            except OSError:
+                return number > 0
+            if _nobody_listens(control):
+                self._peers.pop(peer, None)
+        return True
+
     def _arrived(self, max_bytes: int) -> list[tuple[ports.Peer, bytes]]:
+        self._read_reports()
         datagrams, self.counts = _received(self._socket, self.counts, max_bytes)
         if not self._admission:
             for peer, _ in datagrams:
@@ -205,6 +239,12 @@ def open_udp(address: Udp) -> socket.socket:
             raise OSError(0, BROADCAST) from error
         raise
     return sock
+
+
+def _nobody_listens(control: Iterable[tuple[int, int, bytes]]) -> bool:
+    """Tell whether a report says that a datagram reached a computer where no program has its port."""
+    reports = [REPORT.unpack_from(data) for level, kind, data in control if (level, kind) in REPORTS]
+    return any(error == errno.ECONNREFUSED and origin in BY_NETWORK for error, origin in reports)
 
 
 def _received(

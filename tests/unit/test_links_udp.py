@@ -131,6 +131,46 @@ def test_udpin_answers_a_bounded_number_of_peers() -> None:
     port.close()
 
 
+@pytest.mark.parametrize(("host", "family"), [("127.0.0.1", socket.AF_INET), ("::1", socket.AF_INET6)])
+def test_udpin_sends_nothing_more_to_where_nobody_listens_any_more_until_it_speaks_again(
+    host: str, family: int
+) -> None:
+    port = free_port()
+    bracketed = f"[{host}]" if ":" in host else host
+    with links_to(f"udpin:{bracketed}:{port}") as links, ExitStack() as stack:
+
+        def peer(at: int = 0) -> socket.socket:
+            sock = stack.enter_context(socket.socket(family, socket.SOCK_DGRAM))
+            sock.bind((host, at))
+            sock.setblocking(False)
+            return sock
+
+        def hears(sock: socket.socket) -> bool:
+            try:
+                return bool(sock.recv(2048))
+            except BlockingIOError:
+                return False
+
+        component, (gone, quiet) = links.component(191), (peer(), peer())
+        for sock in (gone, quiet):
+            sock.sendto(FRAME, (host, port))
+            links.poll()
+        where = port_of(gone)
+        gone.close()
+        for _ in range(20):
+            component.send(BEAT)
+            assert hears(quiet), "what the other one is refused takes nothing from it"
+        links.poll()
+        again = peer(where)
+        component.send(BEAT)
+        assert (hears(again), hears(quiet)) == (False, True)
+        again.sendto(FRAME, (host, port))
+        links.poll()
+        component.send(BEAT)
+        assert (hears(again), hears(quiet)) == (True, True)
+        assert (status(links).dropped, status(links).error) == (0, "")
+
+
 def test_udpin_listens_on_the_loopback_only() -> None:
     port = open_port(f"udpin::{free_port()}", SystemClock().now)
     assert port._socket.getsockname()[0] == "127.0.0.1"
