@@ -1,7 +1,8 @@
 """The parameter server: the closed table of `ross_payload.config.parameter_table` on the links.
 
-`on_packet` takes what arrives and `tick` the time, both on the thread of the pump. Answers leave one every `PACE`: a
-whole list does not crowd out telemetry, and no parameter waits in line more than once for a link. What a client has
+`on_packet` takes what arrives and `tick` the time, both on the thread of the pump. Answers leave one every `PACE`, on a
+link with a budget no faster than half of it carries them: a whole list does not crowd out telemetry, and is not dropped
+for want of room. No parameter waits in line more than once for a link. What a client has
 missed it asks for again. A ground station that appears is sent one value without having asked: QGroundControl asks for
 the others of a component only after it has received one. A request for what does not exist, or a value that is not
 allowed, is answered with a PARAM_ERROR: a client that knows it need not ask five times more.
@@ -9,8 +10,9 @@ allowed, is answered with a PARAM_ERROR: a client that knows it need not ask fiv
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict, deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ross_payload.config.parameter_store import Parameters
@@ -24,6 +26,8 @@ from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.values import Severity
 
 PACE = 0.04  # [s] between two answers: 25 a second, 925 bytes/s
+SIZE = 50  # of an answer, signed [bytes]
+SHARE = 0.5  # of what a link may carry: telemetry has the rest
 EVERYWHERE = None  # as a link: all of them
 MOST = 8 * len(TABLE)  # answers in line
 BURST, RATE = 40, 20.0  # values that are set at once, and [1/s]; what is more is as if lost
@@ -57,6 +61,8 @@ class ParamServer:
         Is told the name and the value of everything that is set.
     send_text
         Tells an operator something.
+    rates
+        Tells what every link may carry [bytes/s], by its URL.
     """
 
     def __init__(
@@ -65,11 +71,14 @@ class ParamServer:
         parameters: Parameters,
         changed: Callable[[str, float], None],
         send_text: Callable[[Severity, str], None],
+        rates: Callable[[], Mapping[str, float]] = dict,
     ) -> None:
         self._component = component
         self._parameters = parameters
         self._changed = changed
         self._send_text = send_text
+        self._rates = rates
+        self._free: dict[str | None, float] = {}  # when a link may take the next answer [s]
         self._waiting: deque[tuple[int, str | None]] = deque()  # index and link
         self._known = parameters.config
         self._due = 0.0
@@ -121,16 +130,25 @@ class ParamServer:
         self._now = now
         self._look()
         if self._waiting and now >= self._due:
-            self._due = now + PACE
-            index, link = self._waiting.popleft()
-            name = NAMES[index]
-            self._component.send(params.value_message(name, self._parameters.value(name), index, len(NAMES)), link)
+            self._answer_next(now)
         if self._notes:
             self._send_text(Severity.WARNING, self._notes.popleft())
         if self._parameters.trouble != self._trouble:
             self._trouble = self._parameters.trouble
             if self._trouble:
                 self._send_text(Severity.ERROR, self._trouble)
+
+    def _answer_next(self, now: float) -> None:
+        """Send the first answer whose link has carried the one before."""
+        ready = next((each for each in self._waiting if now >= self._free.get(each[1], -math.inf)), None)
+        if ready is None:
+            return
+        self._waiting.remove(ready)
+        index, link = ready
+        rate = math.inf if link is EVERYWHERE else self._rates().get(link, math.inf)
+        self._due, self._free[link] = now + PACE, now + SIZE / (SHARE * rate)
+        name = NAMES[index]
+        self._component.send(params.value_message(name, self._parameters.value(name), index, len(NAMES)), link)
 
     def _greet(self, received: Received) -> None:
         """Tell a ground station that has just appeared one value, and again until it asks for others."""

@@ -154,7 +154,9 @@ class Telemetry:
         self._streams = StreamReporter(self._board, self._send_text, tuple if listening is None else listening.streams)
         stream = no_streams if listening is None else listening.order
         self._commands = None if give is None else self._server(component, give, recorder, stream, latch)
-        self._settings = None if parameters is None else ParamServer(component, parameters, changed, self._send_text)
+        self._settings = (
+            None if parameters is None else ParamServer(component, parameters, changed, self._send_text, links.rates)
+        )
         self._files = None if give is None else self._file_server(component, recordings, descriptions)
         self._tlog = None if tlog is None else TlogRecorder(tlog)
         component.tap(self._record)

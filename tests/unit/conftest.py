@@ -99,12 +99,12 @@ def sky():
     """Make links of a payload, the air and a ground station: ``sky(loss=0.2).ground``."""
     opened = []
 
-    def make(accept=(), **odds):
+    def make(accept=(), max_bytes_s=0, **odds):
         air = Air(**odds)
         clock = SimClock()
         links = Router(clock, 1)
         opened.append(links)
-        links.attach(Link(url=URL, accept=accept), air)
+        links.attach(Link(url=URL, accept=accept, max_bytes_s=max_bytes_s), air)
         return SimpleNamespace(clock=clock, links=links, air=air, ground=Ground(air))
 
     yield make

@@ -29,6 +29,7 @@ class Payload:
             self.parameters,
             lambda *change: self.changes.append(change),
             lambda _, text: self.texts.append(text),
+            self.links.rates,
         )
 
     def wait(self, seconds):
@@ -75,6 +76,22 @@ def test_a_list_comes_in_portions_that_a_slow_link_can_carry(payload):
     payload.list()
     per_second = len(payload.wait(0.2)) / 0.2
     assert 0 < per_second * 37 < 2880 / 2
+
+
+@pytest.mark.parametrize("budget", [300, 600])
+def test_a_list_loses_nothing_on_a_link_that_carries_little(sky, budget):
+    payload = Payload(sky(max_bytes_s=budget))
+    payload.list()
+    assert [message.param_id for message in payload.wait(COUNT * 50 / (budget / 2) + 0.5)] == list(NAMES)
+    assert payload.links.status()[0].dropped == 0
+
+
+def test_a_slow_link_holds_no_other_one_up(sky):
+    payload = Payload(sky(max_bytes_s=300))
+    payload.list()
+    payload.wait(0.1)
+    payload.parameters.set("EXP_UNIT", 2.5)  # told everywhere
+    assert [message.param_id for message in payload.wait(0.1)] == ["EXP_UNIT"]
 
 
 def test_many_lists_at_once_are_not_more_than_one(payload):
