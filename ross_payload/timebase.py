@@ -57,7 +57,8 @@ class Timebase:
     After the UNIX time was set back they go on at nine tenths of real time until they agree with it again.
 
     Everything but `usec`, `utc` and `unix` belongs to the pump. Requests of TIMESYNC to us, or to everybody, are
-    answered, whoever asks; every heartbeat of the autopilot (1 Hz) is answered with a request of our own.
+    answered, whoever asks; every heartbeat of the autopilot (1 Hz) is answered with a request of our own, to it alone:
+    an answer of anybody else would reach the autopilot, which may take it for one to itself.
 
     Parameters
     ----------
@@ -131,7 +132,7 @@ class Timebase:
             self._on_time(message)
         elif received.packet.name == "HEARTBEAT":
             self._asked.append(self._nanoseconds())
-            self._send(TimeSync(self._asked[-1]), received.link)
+            self._send(TimeSync(self._asked[-1], target=received.packet.sender), received.link)
 
     def _on_time(self, message: SystemTime) -> None:
         """Take what its clocks say; two in a row that are far behind mean that it has restarted, one is late."""

@@ -156,6 +156,12 @@ def test_a_request_to_somebody_else_is_not_answered(bench, target):
     assert not voice.sent
 
 
+def test_the_autopilot_alone_is_asked(bench):
+    _, voice, _ = bench
+    voice.call(Heard(heartbeat()))
+    assert [said.target for said, _ in voice.sent] == [ComponentId(1, 1)]
+
+
 def test_a_flood_of_requests_is_not_answered_by_a_flood(bench):
     clock, voice, _ = bench
     for _ in range(100):
