@@ -53,7 +53,7 @@ class FlacTrack:
         """Append samples (n,); what lies beyond full scale is clipped."""
         try:
             self._encoder.write(np.clip(samples, -1.0, LOUDEST))
-        except soundfile.LibsndfileError as error:
+        except (soundfile.LibsndfileError, AssertionError) as error:  # an encoder that failed once asserts from then on
             raise self._disk_error() from error
         self._written += len(samples)
         size = os.fstat(self._file).st_size

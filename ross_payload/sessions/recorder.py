@@ -240,9 +240,9 @@ class Recorder:
     def _fail(self, recording: OngoingRecording, state: RecordingState, reason: str) -> None:
         """Stop for a reason; what is on the disk stays, and the mission goes on."""
         recording.over, recording.failed, self._disk = True, True, None
+        self._status = replace(self._status, state=state, reason=reason)
         if recording.writer is not None:
             _close(recording.writer, reason)
-        self._status = replace(self._status, state=state, reason=reason)
 
 
 class RecordedVoice(AbstractContextManager["RecordedVoice"]):
@@ -320,3 +320,5 @@ def _close(writer: SessionWriter, reason: str) -> None:
         writer.finish(reason)
     except (OSError, RossError):
         writer.close()
+    except Exception:  # the thread goes on, to record again when that is asked for
+        log.exception("the recording cannot be closed")

@@ -6,12 +6,14 @@ import subprocess
 import sys
 
 import pytest
+import soundfile
 
 from nobody import nobody
-from recording_bench import SUPPORT, input_of, only, record, recording
+from recording_bench import HOP, SUPPORT, block_of, input_of, only, record, recording
 from ross_payload.config import Config
 from ross_payload.events import Event
 from ross_payload.health import RecordingState
+from ross_payload.interfaces import VoiceBlock
 from ross_payload.sessions import recorder as recorder_module
 from ross_payload.sessions.session_store import SessionStore
 
@@ -36,6 +38,27 @@ print(status.state, status.reason, sep="|")
     found = only(tmp_path).contents()
     assert 1.0 < found.seconds <= found.audio < 2.5
     assert len(list(only(tmp_path).inputs(Config().audio))) == found.inputs
+
+
+def test_a_recording_that_cannot_be_closed_is_told_and_another_can_begin(tmp_path, monkeypatch):
+    def broken(*_):
+        raise ValueError("a bug")
+
+    with recording(tmp_path) as recorder:
+        recorder.on_input(input_of(0))
+        recorder.drain()
+        monkeypatch.setattr(recorder_module.SessionWriter, "write_event", broken)
+        monkeypatch.setattr(recorder_module.SessionWriter, "flush", broken)
+        recorder.on_input(input_of(1))
+        recorder.on_event(Event(0.0), input_of(1))
+        recorder.drain()
+        assert recorder.status().state is RecordingState.BROKEN
+        monkeypatch.undo()
+        recorder.on_input(input_of(2))
+        assert not recorder.record(on=True)
+        recorder.on_input(input_of(3))
+        recorder.drain()
+        assert recorder.status().state is RecordingState.ON
 
 
 def test_whatever_goes_wrong_the_recorder_says_so_and_goes_on(tmp_path, monkeypatch):
@@ -66,6 +89,22 @@ def tiny_disk(tmp_path):
         pytest.skip("needs root and mount (apt install mount)")
     yield folder
     subprocess.run(["umount", "-l", folder], check=True)
+
+
+def test_a_disk_that_fills_while_a_voice_is_written_ends_the_recording_alone(tiny_disk):
+    with recording(tiny_disk) as recorder:
+        for index in range(100):
+            recorder.on_input(input_of(index))
+            recorder.on_voice("target", VoiceBlock(block_of(index).samples[0], index * HOP, index / 100))
+        recorder.drain()
+        with (tiny_disk / "junk").open("wb") as junk, pytest.raises(OSError):
+            junk.write(bytes(2**20))
+        for index in range(100, 200):
+            recorder.on_voice("target", VoiceBlock(block_of(index).samples[0], index * HOP, index / 100))
+        recorder.drain()
+        assert (recorder.status().state, recorder.status().reason) == (RecordingState.FULL, os.strerror(errno.ENOSPC))
+    assert only(tiny_disk).contents().inputs == 100
+    assert len(soundfile.read(only(tiny_disk).path / "target.flac")[0]) >= 50 * HOP
 
 
 @pytest.mark.soak
