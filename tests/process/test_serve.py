@@ -134,7 +134,7 @@ async def test_what_the_page_says_is_recorded_is_on_the_disk_afterwards_without_
     (known,) = told["known"]
     session = folder / known["name"]
     assert soundfile.info(session / "audio.wav").duration == pytest.approx(known["seconds"])
-    assert f"recordings are kept in {folder}" in payload.said
+    assert f"nothing is recorded until a command asks for it; folder of recordings: {folder}" in payload.said
     assert f": {session}\n" in payload.said
     assert (stat.S_IMODE(session.stat().st_mode), stat.S_IMODE((session / "audio.wav").stat().st_mode)) == (
         0o700,

@@ -107,15 +107,16 @@ def _kept(record: Path | None) -> Path:
 
 
 @contextmanager
-def _listing_recordings(folder: Path, as_json: bool) -> Iterator[None]:
-    """Say where recordings will lie, and in the end which ones were made."""
+def _listing_recordings(folder: Path, always: bool, as_json: bool) -> Iterator[None]:
+    """Say whether all is recorded and where recordings lie, and in the end which ones were made."""
     from ross_payload.sessions.catalog import described
     from ross_payload.sessions.session_store import SessionStore
 
     store = SessionStore(folder)
     before = {kept.path for kept in store.all()}
     if not as_json:
-        click.echo(f"recordings are kept in {folder}")
+        now = "recording from start to end" if always else "nothing is recorded until a command asks for it"
+        click.echo(f"{now}; folder of recordings: {folder}")
     try:
         yield
     finally:
@@ -155,7 +156,7 @@ def _run(
         chosen = linked(chosen)
         if not as_json:
             click.echo(f"MAVLink at {', '.join(link.url for link in chosen.payload.links)}", err=True)
-    telling = _listing_recordings(_kept(record), as_json) if serving else nullcontext()
+    telling = _listing_recordings(_kept(record), record is not None, as_json) if serving else nullcontext()
     with ResultsFolder(out) if out is not None else nullcontext() as folder, telling:
         with waiting(as_json, f"{chosen.title}: preparing the voices"):
             company = talkers_of(chosen, changes["speech"], changes["target"])
