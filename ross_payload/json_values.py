@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Mapping
 from enum import Enum
 from numbers import Integral, Real
@@ -20,6 +21,15 @@ def finite(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [finite(each) for each in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def are_finite(*values: Any) -> bool:
+    """Whether all are numbers that a float can hold.
+
+    >>> are_finite(1, 2.5), are_finite(math.nan), are_finite(10**400), are_finite("1")
+    (True, False, False, False)
+    """
+    return all(isinstance(value, int | float) and abs(value) <= sys.float_info.max for value in values)
 
 
 def encodable(text: str) -> str:

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from ross_payload.bounded_files import printable
+
 
 @click.command("run", short_help="Run the payload that a TOML file describes.")
 @click.argument("file", type=click.Path(path_type=Path))
@@ -45,5 +47,5 @@ def replay(*, session: Path, out: Path | None, file: Path | None, settings: tupl
         click.echo(json.dumps(values, indent=2, allow_nan=False))
     else:
         for line in in_words(values):
-            click.echo(line)
+            click.echo(printable(line))
     return 3 if values["ended_early"] else 0

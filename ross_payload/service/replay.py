@@ -65,7 +65,7 @@ def _played(
     session: RecordedSession, recorded: Config, config: Config, differing: tuple[str, ...]
 ) -> tuple[Replayed, dict[str, Any]]:
     """Replay a session in a configuration; return what it brought, whom it looked for and where it parted."""
-    rate, memory = config.audio.rate_hz, session.memory(Memory) or Memory()
+    rate, memory = config.audio.rate_hz, _memory_of(session)
     told = Replayed(start=memory.samples / rate)
     course = Divergence(turns_of(session.events()), early=config.audio.hop_ms / 2000)
     same, model = not config_changes.matters(differing), ModelFolder.default().in_use(config.voice_print.model)
@@ -131,11 +131,21 @@ def mission_of(session: RecordedSession, recorded: Config, config: Config, voice
 
 
 def _live(session: RecordedSession, recorded: Config, config: Config, voiceprint: VoicePrint | None) -> Mission:
-    memory = session.memory(Memory) or Memory()
+    memory = _memory_of(session)
     begins = recorded.service.autostart if memory.samples == 0 or memory.pending else "nothing"
     task = FIRST[begins]
     live = LiveSession(config, lambda settings: _kit(session, settings, voiceprint), memory)
     return live.mission(None if task is None else task())
+
+
+def _memory_of(session: RecordedSession) -> Memory:
+    """What the session knew from earlier tasks."""
+    memory = session.memory(Memory) or Memory()
+    for name, leading in (("noise", (2,)), ("noise_speeds", None)):
+        found = getattr(memory, name)
+        if found is not None and (found.ndim != 2 or leading not in (None, found.shape[:1])):
+            raise ConfigError(f"{session.path}/memory.npz: damaged: {name} has the shape {found.shape}")
+    return memory
 
 
 def _kit(session: RecordedSession, config: Config, voiceprint: VoicePrint | None) -> Kit:

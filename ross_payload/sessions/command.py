@@ -67,13 +67,14 @@ def check(folder: Path, as_json: bool) -> None:
     import json
     from dataclasses import asdict
 
+    from ross_payload.json_values import finite
     from ross_payload.sessions.catalog import ended
     from ross_payload.sessions.session_reader import RecordedSession
 
     session = RecordedSession.open(folder)
     known, found = session.manifest, session.contents()
     if as_json:
-        click.echo(json.dumps({"manifest": asdict(known), "contents": asdict(found)}))
+        click.echo(json.dumps(finite({"manifest": asdict(known), "contents": asdict(found)})))
         return
     click.echo(
         printable(

@@ -6,6 +6,7 @@ What has its default is left out, so that a line has about 200 bytes. Whoever re
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, astuple, replace
 from typing import Any
@@ -16,6 +17,7 @@ from ross_payload import orders
 from ross_payload.bounded_files import parsed_json
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Input, Samples
+from ross_payload.json_values import are_finite
 from ross_payload.orders import Order
 from ross_payload.pointing import BaseRate, Pointing
 
@@ -57,14 +59,15 @@ def parsed(text: bytes) -> dict[str, Any] | None:
     """Read a line; None when it is torn or damaged."""
     try:
         values = parsed_json(text)
-        numbers = (values["time"], values["joint"], *values["heading"], *values["attitude"][:5])
-        whole = all(isinstance(number, int | float) for number in numbers)
+        *angles, age, _ = values["attitude"]
+        whole = are_finite(values["time"], values["joint"], *values["heading"], *angles)
+        whole = whole and (age == math.inf or are_finite(age))  # that of an attitude which never came
         whole = whole and len(values["heading"]) == 2 and len(values["attitude"]) == ATTITUDE
-        whole = whole and isinstance(values.get("height", 0.0), int | float)
+        whole = whole and are_finite(values.get("height", 0.0))
         speeds = values.get("rotors", ())
-        whole = whole and isinstance(speeds, list | tuple) and all(isinstance(speed, int | float) for speed in speeds)
+        whole = whole and isinstance(speeds, list | tuple) and are_finite(*speeds)
         told = values.get("pointing", (0.0, 0.0, 0.0, 0.0))
-        whole = whole and len(told) == 4 and all(isinstance(number, int | float) for number in told)
+        whole = whole and len(told) == 4 and are_finite(*told)
         whole = whole and isinstance(values["settled"], bool) and isinstance(values.get("fault", ""), str)
         counts = (values["n"], values["index"], values.get("lost", 0), values.get("flags", 0))
         whole = whole and all(type(count) is int and abs(count) < 2**53 for count in counts)

@@ -13,6 +13,7 @@ from ross_payload.atomic_files import json_text, write_whole
 from ross_payload.bounded_files import parsed_json, read_bounded
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
+from ross_payload.json_values import are_finite
 from ross_payload.sessions.npz_memory import VOICE_FILE, packed, packed_voice
 from ross_payload.voiceprint import EmbeddingPrint
 
@@ -126,15 +127,21 @@ def read(folder: Path) -> Manifest:
             version=int(values["version"]),
             kind=str(values["kind"]),
             voice=str(values["voice"]),
-            yaw=float(values["informed_yaw_rad"]),
-            lower=-math.inf if lower is None else float(lower),
-            upper=math.inf if upper is None else float(upper),
+            yaw=_angle(values["informed_yaw_rad"]),
+            lower=-math.inf if lower is None else _angle(lower),
+            upper=math.inf if upper is None else _angle(upper),
             started=str(values["started"]),
-            versions=dict(values["versions"]),
-            end=values.get("end"),
+            versions={str(name): str(version) for name, version in dict(values["versions"]).items()},
+            end=None if values.get("end") is None else str(values["end"]),
         )
     except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise ConfigError(f"{folder / MANIFEST}: damaged, or of another version: {error!r}") from error
+
+
+def _angle(value: Any) -> float:
+    if not are_finite(value):
+        raise ValueError(f"expected an angle, got {value!r}")
+    return float(value)
 
 
 def _values(folder: Path) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import io
 import json
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 from zipfile import BadZipFile
 
 import numpy as np
@@ -50,6 +50,8 @@ def unpacked(path: Path, kind: type[T], *, others: bool = False) -> T:
     hints = get_type_hints(kind)
     try:
         with np.load(io.BytesIO(read_bounded(path, LARGEST)), allow_pickle=False) as arrays:
+            if (size := sum(about.file_size for about in arrays.zip.infolist())) > LARGEST:
+                raise ValueError(f"expected at most {LARGEST:,} bytes when unpacked, got {size:,}")
             values = {name: _value(arrays[name], hints[name]) for name in arrays.files if name in hints or not others}
         return kind(**values)
     except (OSError, ValueError, KeyError, TypeError, ValidationError, EOFError, BadZipFile, RuntimeError) as error:
@@ -57,9 +59,13 @@ def unpacked(path: Path, kind: type[T], *, others: bool = False) -> T:
 
 
 def _value(content: Any, hint: Any) -> Any:
-    if content.dtype.kind != "U":
-        return content
-    return TypeAdapter(hint).validate_json(str(content))
+    if content.dtype.kind == "U":
+        return TypeAdapter(hint).validate_json(str(content))
+    if not any((get_origin(each) or each) is np.ndarray for each in (hint, *get_args(hint))):
+        raise ValueError(f"expected {hint}, got an array")
+    if content.dtype.kind not in "fiu" or not np.isfinite(content).all():
+        raise ValueError(f"expected finite numbers, got {content.dtype}")
+    return content
 
 
 @dataclass(frozen=True, slots=True)

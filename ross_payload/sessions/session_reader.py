@@ -14,6 +14,7 @@ from ross_payload.bounded_files import MB, open_regular, parsed_json, read_bound
 from ross_payload.config import Audio, Config, validated
 from ross_payload.errors import ConfigError, refused_as
 from ross_payload.interfaces import AudioFlag, Input, Score
+from ross_payload.json_values import are_finite
 from ross_payload.sessions import input_log, manifest
 from ross_payload.sessions.manifest import Manifest
 from ross_payload.sessions.npz_memory import unpacked
@@ -121,7 +122,7 @@ class RecordedSession:
             try:
                 values = parsed_json(text)
                 found.append((int(values["input"]), Score(float(values["value"]), bool(values["accepted"]))))
-            except (ValueError, KeyError, TypeError):
+            except (ValueError, KeyError, TypeError, OverflowError):
                 break
         return found
 
@@ -190,4 +191,6 @@ def _is_event(text: bytes) -> bool:
         values = parsed_json(text)
     except ValueError:
         return False
-    return isinstance(values, dict) and {"event", "time"} <= values.keys()
+    if not (isinstance(values, dict) and isinstance(values.get("event"), str) and are_finite(values.get("time"))):
+        return False
+    return values["event"] != "TurnStarted" or are_finite(values.get("joint"))

@@ -11,6 +11,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from command_line import called_once
@@ -222,6 +223,28 @@ def test_a_folder_that_is_no_session_gets_one_line(tmp_path, run):
     code, _, error = run("replay", tmp_path)
     assert code == 2
     assert "not a session folder" in error
+
+
+def test_a_session_of_somebody_else_cannot_write_to_the_terminal(taped, tmp_path, run):
+    copied = shutil.copytree(taped[1], tmp_path / "copied")
+    about = json.loads((copied / "session.json").read_text())
+    (copied / "session.json").write_text(json.dumps(about | {"voice": "\x1b[2J"}))
+    code, said, _ = run("replay", copied)
+    assert code in (0, 3)
+    assert r"'\x1b[2J' is synthetic" in said
+
+
+@pytest.mark.parametrize(
+    "arrays", [{"noise": np.zeros((3, 16_000))}, {"noise": np.zeros(5)}, {"noise_speeds": np.zeros(5)}]
+)
+def test_noise_of_another_shape_is_refused_with_one_line(taped, tmp_path, run, arrays):
+    copied = shutil.copytree(taped[1], tmp_path / "copied")
+    np.savez(copied / "memory.npz", **arrays)
+    code, _, error = run("replay", copied)
+    assert code == 2
+    assert error == f"ross: {copied}/memory.npz: damaged: {next(iter(arrays))} has the shape " + (
+        f"{next(iter(arrays.values())).shape}\n"
+    )
 
 
 # ---------------------------------------------------------------------------------------------- the guide

@@ -1,6 +1,7 @@
 """Sessions that are cut off, damaged, of another version, or of a process that was killed."""
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -15,6 +16,10 @@ from recording_bench import HOP, SUPPORT, equal, input_of, only, record
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.events import Event
+from ross_payload.interfaces import Attitude, Score
+from ross_payload.mission.tasks import Memory
+from ross_payload.sessions import npz_memory
+from ross_payload.sessions.npz_memory import unpacked
 from ross_payload.sessions.session_reader import RecordedSession
 from ross_payload.sessions.session_store import SessionStore
 
@@ -65,6 +70,9 @@ def test_a_damaged_line_in_the_middle_is_said(whole):
             b'"n":99999999999999999999,',
         ),
         *(b'"settled":null,', b'"pointing":[],', b'"fault":5,'),
+        *(b'"time":NaN,', b'"joint":1e999,', b'"joint":1' + 400 * b"0", b'"heading":[NaN,0],', b'"height":NaN,'),
+        *(b'"pointing":[0,NaN,0,0],', b'"rotors":[NaN],', b'"attitude":[NaN,0,0,0,0,true],'),
+        *(b'"attitude":[0,0,0,0,NaN,true],', b'"attitude":[],'),
     ],
 )
 def test_a_line_whose_values_cannot_be_is_damaged(whole, damage):
@@ -94,6 +102,71 @@ def test_events_are_read_up_to_the_first_that_is_damaged(tmp_path):
     path.write_bytes(lines[0] + b"\x00\x00\xff\n" + lines[1] + lines[2][:9])
     assert whole.events() == [lines[0].decode()]
     assert any(note.startswith("events.jsonl: damaged at line 2") for note in whole.contents().notes)
+
+
+@pytest.mark.parametrize(
+    "damaged",
+    [
+        b'{"event":"TurnStarted","time":1}',
+        b'{"event":"TurnStarted","time":1,"joint":"x"}',
+        b'{"event":"TurnStarted","time":1,"joint":NaN}',
+        b'{"event":"Event","time":NaN}',
+        b'{"event":"Event","time":1' + 400 * b"0" + b"}",
+        b'{"event":5,"time":1}',
+    ],
+)
+def test_an_event_whose_values_cannot_be_is_damaged(whole, damaged):
+    path = whole.path / "events.jsonl"
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join([lines[0], damaged + b"\n", *lines[1:]]))
+    assert whole.events() == [lines[0].decode()]
+
+
+@pytest.mark.parametrize("damaged", ['{"input":1e999,"value":1', '{"input":1,"value":1' + 400 * "0"])
+def test_scores_are_read_up_to_the_first_that_is_damaged(whole, damaged):
+    good = '{"input": 3, "value": 0.5, "accepted": true}\n'
+    (whole.path / "scores.jsonl").write_text(f'{good}{damaged},"accepted":true}}\n{good}')
+    assert whole.scores() == [(3, Score(0.5, accepted=True))]
+
+
+@pytest.mark.parametrize(
+    "changes", [{"travel_rad": [math.nan, 1.0]}, {"travel_rad": ["-inf", None]}, {"informed_yaw_rad": math.nan}]
+)
+def test_angles_of_a_session_that_are_none_are_damage(whole, changes):
+    path = whole.path / "session.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | changes))
+    with pytest.raises(ConfigError, match="damaged, or of another version"):
+        RecordedSession.open(whole.path)
+
+
+def test_what_an_attitude_that_never_came_is_told_by_is_no_damage(tmp_path):
+    never = Attitude(0.0, age=math.inf, known=False)
+    record(tmp_path, [input_of(k, attitude=never) for k in range(10)])
+    assert [heard.attitude for heard in only(tmp_path).inputs(Config().audio)] == 10 * [never]
+
+
+def test_what_is_checked_is_told_in_json_that_others_read(whole, run):
+    assert whole.manifest.upper == math.inf
+    code, said, _ = run("sessions", "check", whole.path, "--json")
+    assert code == 0
+    assert json.loads(said, parse_constant=pytest.fail)["manifest"]["upper"] is None
+
+
+@pytest.mark.parametrize("samples", [np.zeros(3), np.full((2, 9), np.nan), np.array([b"x"])])
+def test_arrays_that_cannot_be_are_damage(tmp_path, samples):
+    path = tmp_path / "memory.npz"
+    np.savez(path, **{"samples" if samples.ndim == 1 and samples.dtype.kind == "f" else "noise": samples})
+    with pytest.raises(ConfigError, match=r"^memory\.npz: damaged"):
+        unpacked(path, Memory)
+
+
+def test_an_archive_that_is_far_larger_than_its_file_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(npz_memory, "LARGEST", 100_000)
+    path = tmp_path / "memory.npz"
+    np.savez_compressed(path, noise=np.zeros((2, 100_000), np.float32))
+    assert path.stat().st_size < 10_000
+    with pytest.raises(ConfigError, match="expected at most 100,000 bytes when unpacked"):
+        unpacked(path, Memory)
 
 
 @pytest.mark.parametrize("name", ["events.jsonl", "config.json", "audio.wav", "inputs.jsonl"])
