@@ -6,6 +6,7 @@ Blocks of all tracks have the same times where they overlap in a session, since 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from contextlib import suppress
 
@@ -82,7 +83,7 @@ def _blocks(track: Track, earliest: float) -> Iterator[Block]:
     """Yield a track block by block, from the ``earliest`` time on that can be written; where it is damaged it ends."""
     size = round(BLOCK_S * track.rate)
     left_out = max(math.ceil((earliest - track.begin) * track.rate), 0)
-    with suppress(OSError, RuntimeError), soundfile.SoundFile(track.path) as file:
+    with suppress(OSError, RuntimeError), soundfile.SoundFile(os.fsencode(track.path)) as file:
         file.seek(min(left_out, file.frames))
         for number, block in enumerate(file.blocks(size, dtype="float32", always_2d=True)):
             whole = (np.clip(block, -1, 1) * 32767).round().astype("<i2")

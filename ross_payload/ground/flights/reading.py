@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 from ross_payload.errors import refused_as
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.bookmarks import Bookmark, marks_of
-from ross_payload.ground.flights.log_file import CALENDAR_FROM_US, EXPECTED, LogFile, is_simulated, seconds_of
+from ross_payload.ground.flights.log_file import (
+    CALENDAR_FROM_US,
+    CALENDAR_UNTIL_US,
+    EXPECTED,
+    LogFile,
+    is_simulated,
+    seconds_of,
+)
 from ross_payload.ground.flights.tlog_index import Damage, Index, scan
 from ross_protocols.mavlink.codec import Decoder, Packet
 from ross_protocols.mavlink.component_id import ComponentId
@@ -197,9 +204,10 @@ def _manifest(log: Path) -> tuple[dict[str, Any], list[str]]:
 def _unix(started: Any) -> float | None:
     try:
         began = datetime.fromisoformat(str(started))
-        return (began if began.tzinfo else began.replace(tzinfo=UTC)).timestamp()
+        time = (began if began.tzinfo else began.replace(tzinfo=UTC)).timestamp()
     except (ValueError, OverflowError, OSError):
         return None
+    return time if CALENDAR_FROM_US < time * 1e6 < CALENDAR_UNTIL_US else None
 
 
 def _damaged(damage: Damage) -> list[str]:

@@ -10,10 +10,12 @@ and tells when they begin on the clock of the file.
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import soundfile
@@ -21,6 +23,7 @@ import soundfile
 from ross_payload.bounded_files import read_bounded
 from ross_payload.ground.flights.reading import LOGS, UNPACKED, Flight, unpacked_sound
 from ross_payload.ground.model.payload_state import mission_time_between
+from ross_payload.json_values import are_finite, encodable
 from ross_protocols.mavlink.dialect import MESSAGES, common
 from ross_protocols.mavlink.tunnel import unwrapped
 from ross_protocols.mavlink.values import Status
@@ -28,6 +31,7 @@ from ross_protocols.mavlink.values import Status
 SESSION, SIMULATION = LOGS
 MIXTURE, TARGET = "mixture", "target"
 LOOKED_AT = 400  # messages, to know how far the clocks are apart
+LATEST_S = 1e9  # of a clock that counts from a start: 31 years
 LARGEST_REPORT = 1 << 20  # [bytes]
 LONGEST_LINE = 1 << 16  # [bytes]
 STATUS = "ROSS_STATUS"
@@ -80,7 +84,8 @@ def sound_files(log: Path) -> dict[str, Path]:
         found = {path.stem: path for path in sorted(folder.glob("*.wav"))}
     else:
         return {}
-    return {name: path for name, path in found.items() if path.is_file() and not path.is_symlink()}
+    readable = {name: path for name, path in found.items() if path.is_file() and not path.is_symlink()}
+    return {name: path for name, path in readable.items() if encodable(name) == name}  # the page tells them in UTF-8
 
 
 def tracks_of(flight: Flight) -> tuple[Track, ...]:
@@ -101,7 +106,7 @@ def _tracks(files: Mapping[str, Path], begins: Mapping[str, float]) -> Iterator[
     """Yield those that can be read and whose begin is known."""
     for name, path in files.items():
         try:
-            about = soundfile.info(path)
+            about = soundfile.info(os.fsencode(path))  # which encodes no path that is not UTF-8
         except (OSError, RuntimeError):  # soundfile's own errors are RuntimeErrors
             continue
         if name in begins:
@@ -134,7 +139,7 @@ def _begins(log: Path, files: Mapping[str, Path]) -> _Begins | None:
         if log.name == SESSION:
             return _Begins(_first_input(log.parent, _rate(files)), dict.fromkeys(files, 0.0))
         report = json.loads(read_bounded(log.parent / "report.json", LARGEST_REPORT))
-        return _Begins(START, {MIXTURE: 0.0, TARGET: float(report["heard_from_s"])})
+        return _Begins(START, {MIXTURE: 0.0, TARGET: _moment(report["heard_from_s"])})
     except (OSError, ValueError, KeyError, TypeError, RecursionError, OverflowError):
         return _Begins(START, {MIXTURE: 0.0}) if log.name == SIMULATION else None
 
@@ -143,7 +148,14 @@ def _first_input(folder: Path, rate: int) -> _Instant:
     """Return when the recording of a session begins, which is sampled at a rate [Hz]."""
     with (folder / "inputs.jsonl").open("rb") as lines:
         values = json.loads(lines.readline(LONGEST_LINE))
-    return _Instant(float(values["time"]), values["index"] / rate)
+    return _Instant(_moment(values["time"]), values["index"] / rate)
+
+
+def _moment(value: Any) -> float:
+    """Return a time [s] that a flight can have; ValueError: it is none."""
+    if not are_finite(value) or abs(value) > LATEST_S:
+        raise ValueError(f"expected a time, got {value!r}")
+    return float(value)
 
 
 def _rate(files: Mapping[str, Path]) -> int:
@@ -156,5 +168,5 @@ def _rate(files: Mapping[str, Path]) -> int:
     """
     for path in files.values():
         with suppress(OSError, RuntimeError):  # soundfile's own errors are RuntimeErrors
-            return int(soundfile.info(path).samplerate)
+            return int(soundfile.info(os.fsencode(path)).samplerate)
     raise ValueError("no track can be read")

@@ -1,5 +1,8 @@
 """The sound of recorded flights: where it begins in the flight, who gets it, and what an MCAP export has of it."""
 
+import json
+import os
+
 import aiohttp
 import numpy as np
 import pytest
@@ -63,6 +66,35 @@ def test_a_log_without_its_folder_has_no_sound(folder):
 def test_a_session_without_its_first_input_has_no_sound(folder):
     (folder / "0001" / "inputs.jsonl").write_text("{")
     assert tracks_of(open_flight(folder / "0001")) == ()
+
+
+@pytest.mark.parametrize("time", ["NaN", "-Infinity", "1e300", "1e12", "1" + 400 * "0"])
+def test_a_session_whose_first_input_came_at_no_time_has_no_sound(folder, tmp_path, time):
+    (folder / "0001" / "inputs.jsonl").write_text(f'{{"time": {time}, "index": 0}}\n')
+    flight = open_flight(folder / "0001")
+    assert tracks_of(flight) == ()
+    exported(flight, tmp_path)
+
+
+@pytest.mark.parametrize("started", ["00010101T000000Z", "99991231T235959Z"])
+def test_a_session_of_a_clock_that_no_calendar_has_is_exported(folder, tmp_path, started):
+    (folder / "mission.tlog").replace(folder / "0001" / "telemetry.tlog")  # which does not know the time
+    (folder / "0001" / "session.json").write_text(json.dumps({"format": "ross-session", "started": started}))
+    flight = open_flight(folder / "0001")
+    assert flight.start is None
+    exported(flight, tmp_path)
+
+
+def test_a_folder_whose_name_is_not_utf_8_has_sound(folder, tmp_path):
+    odd = (folder / "0001").rename(folder / os.fsdecode(b"fl\xffight"))
+    flight = open_flight(odd)
+    assert {each.name for each in tracks_of(flight)} == {"mixture", "target"}
+    exported(flight, tmp_path)
+
+
+def test_a_voice_whose_name_is_not_utf_8_is_left_out(folder):
+    (folder / "0001" / "target.flac").rename(folder / "0001" / os.fsdecode(b"t\xffarget.flac"))
+    assert {each.name for each in tracks_of(open_flight(folder / "0001"))} == {"mixture"}
 
 
 async def test_a_flight_tells_its_tracks_and_gives_them_out(folder):
@@ -131,6 +163,14 @@ def test_mixture_and_target_are_aligned_in_an_export(folder, tmp_path, name):
     assert abs(clicks["/sound/mixture"] - clicks["/sound/target"]) < 0.001
     begin = next(each.begin for each in tracks_of(flight) if each.name == "mixture")
     assert clicks["/sound/mixture"] - (flight.start or 0.0) - begin == pytest.approx(CLICK, abs=0.02)
+
+
+def exported(flight, folder):
+    """Export a flight, where that can be."""
+    pytest.importorskip("foxglove", reason="needs the extra 'mcap'")
+    from ross_payload.ground.flights.mcap import export
+
+    export(flight, flight.payloads, folder / "flight.mcap")
 
 
 def raw_audio(data):
