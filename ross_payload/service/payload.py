@@ -45,7 +45,7 @@ from ross_payload.sessions.recorder import Recorder
 from ross_payload.sessions.session_store import SessionStore
 from ross_payload.telemetry.component import Telemetry
 from ross_payload.timebase import Timebase
-from ross_payload.voiceprint import VoiceStore
+from ross_payload.voiceprint import EmbeddingPrint, VoiceStore
 from ross_protocols.mavlink.computer import Computer
 from ross_protocols.mavlink.values import Severity
 
@@ -70,6 +70,7 @@ class Parts:
     drained: Callable[[Recorder], AbstractContextManager[None]]  # has what the recorder queues written
     watched: Watched | None = None  # the source, where it tells how it is
     voiceprint: VoicePrint | None = None
+    synthetic: EmbeddingPrint | None = None  # the same, of a target that no person is: recordings keep it
     voices: VoiceStore | None = None  # where voices go that are enrolled on the way; None: they are not kept
     stamp: Callable[[], str] = lambda: ""  # of a new recording
     live: bool = False  # time is real: the audio is read, and listened to, on threads of their own
@@ -133,7 +134,9 @@ def assembled(parts: Parts, observers: tuple[Observer, ...] = ()) -> Iterator[Ru
 def _mission(parts: Parts, source: AudioSource, actuator: Guard, *, stopped: bool) -> tuple[Recorder, Runner]:
     """Make what records the session and what runs it; the one writes down what the other begins with."""
     config, clock = parts.parameters.config, parts.clock
-    recorder = Recorder(parts.store, config.recording, lambda: beginning(session, actuator), parts.stamp)
+    recorder = Recorder(
+        parts.store, config.recording, lambda: beginning(session, actuator, parts.synthetic), parts.stamp
+    )
     voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
     memory = Memory(stopped=stopped, starting=True)
     session = LiveSession(config, maker(actuator, voiceprint), memory, recorder.noting)
@@ -184,12 +187,18 @@ def maker(actuator: Guard, voiceprint: VoicePrint | None) -> Make:
     return make
 
 
-def beginning(session: LiveSession, actuator: Guard) -> Beginning | None:
-    """Return what a replay from here must know; None while a task runs."""
+def beginning(session: LiveSession, actuator: Guard, synthetic: EmbeddingPrint | None = None) -> Beginning | None:
+    """Return what a replay from here must know; None while a task runs.
+
+    ``synthetic`` is the print of the configured target, where no person is it.
+    """
     if session.busy:
         return None
-    travel = actuator.capabilities
-    return Beginning("session", session.config, travel.lower, travel.upper, session.target, session.memory)
+    travel, target = actuator.capabilities, session.target
+    kept = synthetic if target == session.config.service.target else None  # else somebody was enrolled on the way
+    return Beginning(
+        "session", session.config, travel.lower, travel.upper, target, memory=session.memory, synthetic=kept
+    )
 
 
 def _speakers(

@@ -140,6 +140,7 @@ async def test_what_the_page_says_is_recorded_is_on_the_disk_afterwards_without_
         0o700,
         0o600,
     )
+    assert (session / "voice.npz").exists(), "nobody's: so the session is replayed in another configuration, too"
     with zipfile.ZipFile(io.BytesIO(archive)) as held:
         assert held.read("0001/audio.wav") == (session / "audio.wav").read_bytes()
 

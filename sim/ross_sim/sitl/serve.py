@@ -176,6 +176,7 @@ def _parts(
         store=store,
         drained=in_background if live else drained(clock),
         voiceprint=company.voiceprint,
+        synthetic=company.synthetic,
         voices=VoiceStore(state / "voices"),  # of nobody: they end with the simulation
         state=state,
         rng=np.random.default_rng(config.seed),
