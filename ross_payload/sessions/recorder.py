@@ -84,8 +84,12 @@ class Recorder:
 
     def record(self, on: bool) -> str:
         """Begin or end a recording with the next hop; return '' or why not."""
-        if on and self._recording is None and self._begin() is None:
+        recording = self._recording
+        over = recording is None or recording.over
+        if on and over and self._begin() is None:
             return "a task is running, and a recording begins between tasks: cancel it or wait"
+        if recording is not None and over:  # the mission's thread, which may compute, has not seen its end yet
+            recording.failed = False
         self._wanted = on
         return ""
 

@@ -9,7 +9,7 @@ import pytest
 import soundfile
 
 from nobody import nobody
-from recording_bench import HOP, SUPPORT, block_of, input_of, only, record, recording
+from recording_bench import HOP, SUPPORT, beginning, block_of, input_of, only, record, recording
 from ross_payload.config import Config
 from ross_payload.events import Event
 from ross_payload.health import RecordingState
@@ -152,6 +152,21 @@ def test_after_a_full_disk_one_can_try_again(tmp_path):
         recorder.on_input(input_of(62))
         recorder.drain()
         assert len(SessionStore(tmp_path).all()) == before + 1
+
+
+def test_an_order_that_comes_before_the_mission_has_seen_the_failure_is_no_lost_one(tmp_path):
+    begin = [beginning()]
+    with recording(tmp_path, lambda: begin[0], min_free_gb=9999) as recorder:
+        recorder.on_input(input_of(0))
+        recorder.drain()
+        assert recorder.status().state is RecordingState.FULL
+        begin[0] = None  # a task runs
+        assert recorder.record(True).startswith("a task is running")
+        begin[0] = beginning()
+        assert recorder.record(True) == ""
+        recorder.on_input(input_of(1))
+        recorder.drain()
+        assert len(SessionStore(tmp_path).all()) == 2
 
 
 def test_a_folder_that_cannot_be_made_is_said(tmp_path):
