@@ -31,6 +31,7 @@ from ross_payload.transport.async_task import drained
 BACKLOG_S = 30.0  # [s] of audio that wait for the disk: then it is too slow
 DRAIN_PERIOD_S = 0.2  # [s] between two looks at the queue
 TIDY_PERIOD_S = 5.0  # [s] of audio between two looks at what is left of the disk
+IDLE_TIDY_PERIOD_S = 3600.0  # [s] between two looks for what is too old, while nothing is recorded
 SLOW = f"the disk is too slow: {BACKLOG_S:.0f} s of audio wait for it"
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
@@ -81,6 +82,7 @@ class Recorder:
         self._recording: OngoingRecording | None = None  # what the mission's thread fills
         self._disk: OngoingRecording | None = None  # what the disk's thread writes
         self._status = RecordingStatus()
+        self._tidied_at: float | None = None  # on the clock of the Inputs [s], while nothing was recorded
 
     def record(self, on: bool) -> str:
         """Begin or end a recording with the next hop; return '' or why not."""
@@ -122,6 +124,7 @@ class Recorder:
                 self._recording = OngoingRecording(begin.config.audio.hop_ms / 1000)
                 self._put(self._recording, partial(self._start, begin=begin))
         if self._recording is None:
+            self._tidy_now_and_then(hop.block.time)
             return
         self._recording.inputs += 1
         self._put(self._recording, partial(_write_input, hop=hop))
@@ -129,6 +132,13 @@ class Recorder:
             self._status = replace(self._status, state=RecordingState.BROKEN, reason=SLOW)
             self._put(self._recording, partial(self._fail, state=RecordingState.BROKEN, reason=SLOW))
             self._recording, self._wanted = None, False
+
+    def _tidy_now_and_then(self, now: float) -> None:
+        """Have what is too old deleted, also by a payload that lives for months and records nothing."""
+        self._tidied_at = now if self._tidied_at is None else self._tidied_at
+        if now - self._tidied_at >= IDLE_TIDY_PERIOD_S:
+            self._tidied_at = now
+            self._queue.put(self._tidy)
 
     def on_event(self, event: Event, hop: Input) -> None:
         """Queue an event, unless it answers an Input from before the recording."""
@@ -176,15 +186,19 @@ class Recorder:
 
     def __enter__(self) -> Self:
         """Delete what is too old."""
-        try:
-            self._store.tidy(self._limits, stamp=self._stamp())
-        except (OSError, RossError) as error:
-            self._status = RecordingStatus(RecordingState.BROKEN, reason=_why(error))
+        self._tidy()
         return self
 
     def __exit__(self, *exception: object) -> None:
         """End the recording."""
         self.close()
+
+    def _tidy(self) -> None:
+        """Delete what is too old or too much while nothing is recorded."""
+        try:
+            self._store.tidy(self._limits, stamp=self._stamp())
+        except (OSError, RossError) as error:
+            self._status = replace(self._status, state=RecordingState.BROKEN, reason=_why(error))
 
     def _put(self, recording: OngoingRecording, job: Callable[[OngoingRecording], None]) -> None:
         self._queue.put(partial(self._guarded, recording, job))

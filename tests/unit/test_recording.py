@@ -14,7 +14,7 @@ import soundfile
 from hypothesis import given
 from hypothesis import strategies as st
 
-from recording_bench import HOP, beginning, block_of, equal, input_of, only, record, recording
+from recording_bench import HOP, beginning, block_of, configured, equal, input_of, only, record, recording
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.config import Config
 from ross_payload.events import Estimate, Event, Separated, SourceEstimate, State, StateChanged
@@ -25,8 +25,9 @@ from ross_payload.pointing import Pointing
 from ross_payload.sessions import input_log
 from ross_payload.sessions.divergence import Divergence, Replayed, replay
 from ross_payload.sessions.npz_memory import packed, unpacked
-from ross_payload.sessions.recorder import in_background
+from ross_payload.sessions.recorder import Recorder, in_background
 from ross_payload.sessions.replay_results import latest
+from ross_payload.sessions.session_store import SessionStore
 
 ORDERS = (Set(name="RUN_S", value=0.1 + 0.2, number=7), ListenTo(2), Informed((0.1, -math.pi), 1), Stop())
 
@@ -162,6 +163,28 @@ def test_what_the_mission_knew_comes_back(tmp_path):
 def test_nothing_is_written_unless_asked(tmp_path):
     record(tmp_path / "all", [input_of(k) for k in range(60)], always=False)
     assert not (tmp_path / "all").exists()
+
+
+def test_what_is_too_old_is_deleted_also_while_nothing_is_recorded(tmp_path):
+    """As by a service that lives for months."""
+    record(tmp_path, [input_of(k) for k in range(60)])
+    (tmp_path / "0001").rename(tmp_path / "0001-20261001T120000Z")
+    today = ["20261020T120000Z"]
+    limits = configured(max_days=30).recording
+    with Recorder(SessionStore(tmp_path), limits, beginning, lambda: today[0]) as recorder:
+        for index in (0, 360_000):  # an hour
+            recorder.on_input(input_of(index))
+            recorder.drain()
+            assert (tmp_path / "0001-20261001T120000Z").exists()
+        today[0] = "20261101T120000Z"
+        for index in (360_001, 719_000):
+            recorder.on_input(input_of(index))
+            recorder.drain()
+            assert (tmp_path / "0001-20261001T120000Z").exists()
+        recorder.on_input(input_of(720_001))
+        recorder.drain()
+        assert not (tmp_path / "0001-20261001T120000Z").exists()
+        assert recorder.status().state is RecordingState.OFF
 
 
 def test_a_recording_begins_and_ends_with_the_next_input(tmp_path):
