@@ -80,6 +80,7 @@ class ListeningSockets:
             async for message in socket:
                 if message.type is WSMsgType.TEXT:
                     await _on_message(relay, listener, message.data)
+                    await asyncio.sleep(0)  # for others: the next one may have come, and is taken without waiting
         except (GroundError, ValueError) as error:
             await _refuse(socket, error.message if isinstance(error, GroundError) else str(error))
         finally:

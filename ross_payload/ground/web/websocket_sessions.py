@@ -65,6 +65,7 @@ class WebSocketSessions:
             async for message in socket:
                 if message.type is WSMsgType.TEXT:
                     on_message(session, message.data)
+                    await asyncio.sleep(0)  # for others: the next one may have come, and is taken without waiting
         finally:
             self._sockets.discard(socket)
             await self._end(session, writer)

@@ -16,7 +16,7 @@ from ports import free_port
 from ross_payload.audio.sinks import info_of
 from ross_payload.ground.audio.rtp_port import RtpPort
 from ross_payload.ground.audio.sound_queue import HEAD, MOST_FRAMES, Listener, frame_of
-from ross_payload.ground.audio.voice_relay import STOP_PERIOD_S
+from ross_payload.ground.audio.voice_relay import STOP_PERIOD_S, VoiceRelay
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.station import Station, local_address
 from ross_payload.ground.web import listening_sockets
@@ -116,6 +116,28 @@ async def test_what_is_heard_is_chosen_while_it_is_heard():
         assert {(each.address, each.port) for each in payload.orders} == {(payload.stream.address, payload.stream.port)}
         await one.until(lambda: one.told[-1].get("whom") == "source 2")
         assert one.told[-1]["rate"] == RATE != MEASURED_RATE
+
+
+async def test_a_browser_that_never_stops_choosing_holds_up_nobody_else(monkeypatch):
+    """What it says waits in the process: as long as there was more of it, stops of others were not passed on."""
+    turns, during = 0, []
+
+    async def others():
+        nonlocal turns
+        while True:
+            turns += 1
+            await asyncio.sleep(0)
+
+    async with heard() as (_, _, served), ear(served.url) as one:
+        await one.choose(what="mixture")
+        await one.hears(500.0)
+        monkeypatch.setattr(VoiceRelay, "choose", lambda relay, choice: during.append(turns))
+        busy = asyncio.create_task(others())
+        for _ in range(200):
+            await one.choose(what="target")
+        await wait_for_async(lambda: len(during) == 200)
+        busy.cancel()
+        assert len(set(during)) == 200
 
 
 async def test_frames_tell_their_place_and_their_age():

@@ -15,11 +15,13 @@ from ports import free_port
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.model.fleet import MOST_PAYLOADS
 from ross_payload.ground.model.view import SECTIONS
+from ross_payload.ground.web import websocket_sessions
 from ross_payload.ground.web.app import in_background
 from ross_payload.ground.web.server import bound
 from ross_protocols.mavlink.codec import chunks
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.values import Severity
+from waiting import wait_for_async
 
 OTHER = ComponentId(2, 191)
 
@@ -85,6 +87,25 @@ async def test_a_change_is_sent_with_the_time_at_which_it_was_heard():
         told = await one.next("payload", lambda message: rate_of(message) == 8000)
         assert before - 1 <= told["heard"] <= told["sent"] <= time.time() * 1e3 + 1
         assert told["sections"]["standing"]["last"] <= told["now"]
+
+
+async def test_a_browser_that_never_stops_asking_holds_up_nobody_else(monkeypatch):
+    turns, during = 0, []
+
+    async def others():
+        nonlocal turns
+        while True:
+            turns += 1
+            await asyncio.sleep(0)
+
+    monkeypatch.setattr(websocket_sessions, "on_message", lambda session, text: during.append(turns))
+    async with page(HandStation()) as served, browser(served.url) as one:
+        busy = asyncio.create_task(others())
+        for _ in range(200):
+            await one.say(type="watch", id="1-191")
+        await wait_for_async(lambda: len(during) == 200)
+        busy.cancel()
+    assert len(set(during)) == 200
 
 
 async def test_a_browser_that_does_not_read_holds_nobody_up_and_gets_the_latest():
