@@ -70,16 +70,16 @@ def check(folder: Path, as_json: bool) -> None:
     from ross_payload.json_values import finite
     from ross_payload.sessions.catalog import ended
     from ross_payload.sessions.session_reader import RecordedSession
+    from ross_payload.sessions.session_store import is_running
 
     session = RecordedSession.open(folder)
     known, found = session.manifest, session.contents()
+    state = "being recorded" if is_running(folder) else ended(known.end)
     if as_json:
         click.echo(json.dumps(finite({"manifest": asdict(known), "contents": asdict(found)})))
         return
     click.echo(
-        printable(
-            f"{known.kind}, {f'target voice {known.voice}' if known.voice else 'no target voice'}, {ended(known.end)}"
-        )
+        printable(f"{known.kind}, {f'target voice {known.voice}' if known.voice else 'no target voice'}, {state}")
     )
     click.echo(f"{found.inputs} Inputs, {found.seconds:.2f} s, {found.orders} orders, {found.events} events")
     holes = f"{found.missing:.2f} s of it with missing samples, {found.lost} samples left out"

@@ -18,6 +18,7 @@ from ross_payload.json_values import are_finite
 from ross_payload.sessions import input_log, manifest
 from ross_payload.sessions.manifest import Manifest
 from ross_payload.sessions.npz_memory import unpacked
+from ross_payload.sessions.session_store import is_running
 
 T = TypeVar("T")
 LONGEST = 16 * MB  # line [bytes]: an event carries a density for every direction, never the samples
@@ -162,7 +163,9 @@ class RecordedSession:
         known, rate = self.manifest, self.rate()
         if known.version != manifest.VERSION:
             yield f"session.json: expected version {manifest.VERSION}, got {known.version}: read as far as it goes"
-        if known.end is None:
+        if known.end is None and is_running(self.path):
+            yield "being recorded: read as far as it has come"
+        elif known.end is None:
             yield "cut off: its end was not recorded; at most the last second is missing, after a power cut some 30 s"
         for name, read in (("inputs.jsonl", found.inputs), ("events.jsonl", found.events)):
             lines = sum(1 for _ in _lines(self.path / name))

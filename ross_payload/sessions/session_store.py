@@ -211,7 +211,7 @@ def _kept(path: Path) -> StoredSession | None:
     if not files:  # somebody deletes it this moment
         return None
     newest = max(file.st_mtime for file in files)
-    return StoredSession(path, int(match[1]), sum(file.st_size for file in files), newest, _locked(path / LOCKED))
+    return StoredSession(path, int(match[1]), sum(file.st_size for file in files), newest, is_running(path))
 
 
 def _is_lost(path: Path) -> bool:
@@ -226,9 +226,10 @@ def _status(path: Path) -> os.stat_result | None:
         return None
 
 
-def _locked(path: Path) -> bool:
+def is_running(folder: Path) -> bool:
+    """Whether a session is being recorded at this moment."""
     try:
-        handle = open_regular(path)
+        handle = open_regular(folder / LOCKED)
     except OSError:
         return False
     try:

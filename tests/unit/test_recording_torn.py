@@ -12,7 +12,7 @@ import wave
 import numpy as np
 import pytest
 
-from recording_bench import HOP, SUPPORT, equal, input_of, only, record
+from recording_bench import HOP, SUPPORT, equal, input_of, only, record, recording
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.events import Event
@@ -198,6 +198,18 @@ def test_an_order_of_another_version_is_named(whole):
     path.write_text("".join(lines))
     with pytest.raises(ConfigError, match="Sing"):
         list(whole.inputs(Config().audio))
+
+
+def test_a_session_that_is_being_recorded_is_not_called_cut_off(tmp_path, run):
+    with recording(tmp_path) as recorder:
+        for index in range(100):
+            recorder.on_input(input_of(index))
+        recorder.drain()
+        assert only(tmp_path).contents().notes == ("being recorded: read as far as it has come",)
+        code, said, _ = run("sessions", "check", only(tmp_path).path)
+    assert code == 0
+    assert said.startswith("mission, target voice ann, being recorded\n")
+    assert only(tmp_path).contents().notes == ()
 
 
 # ------------------------------------------------------------------------------------------------ kill -9
