@@ -29,6 +29,7 @@ FILES = (
     "target.flac", *(f"source-{number}.flac" for number in range(MOST_SOURCES)),
 )  # fmt: skip
 DATED = "dated"  # when a clock that is trusted was there first, in a session that began without one
+DATED_AT_ONCE = 20  # sessions: each waits for the disk, and what is being recorded waits with it
 STAMP = "%Y%m%dT%H%M%SZ"  # of times in names and in `DATED`, UTC
 ASIDE = "unreadable"  # in the name of a session.json that was set aside
 LOCKED = "inputs.jsonl"  # its writer holds a lock on it, which the kernel takes back when the process dies
@@ -166,9 +167,8 @@ class SessionStore:
             kept.remove(session)
             self.delete(session)
         why = self._too_much(kept, limits, running)
-        for session in undated:  # at last: on a full disk there is room now
-            if session in kept:
-                write_whole(session.path / DATED, stamp.encode())
+        for session in [one for one in undated if one in kept][:DATED_AT_ONCE]:  # at last: now a full disk has room
+            write_whole(session.path / DATED, stamp.encode())
         return why
 
     def _too_much(self, kept: list[StoredSession], limits: config.Recording, running: Path | None) -> str:

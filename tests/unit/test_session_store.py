@@ -8,6 +8,7 @@ import pytest
 from ross_payload.atomic_files import write_whole
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
+from ross_payload.sessions import session_store
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.session_store import DAY, SessionStore
 from ross_payload.sessions.session_writer import SessionWriter
@@ -87,6 +88,15 @@ def test_a_session_of_a_clock_that_was_behind_has_its_days_from_when_that_is_kno
     assert names(store) == ["0001"]
     store.tidy(limits(max_days=30), stamp="20270128T140000Z")
     assert not path.exists()
+
+
+def test_many_sessions_without_a_date_get_theirs_little_by_little(store, monkeypatch):
+    """Every date waits for the disk twice: hundreds of them would hold up a recording for longer than it can wait."""
+    monkeypatch.setattr(session_store, "DATED_AT_ONCE", 2)
+    paths = [fill(store) for _ in range(5)]
+    for dated in (2, 4, 5, 5):
+        store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+        assert [(path / "dated").exists() for path in paths] == dated * [True] + (5 - dated) * [False]
 
 
 def test_by_a_trusted_clock_the_time_in_a_name_counts_whatever_files_say(store):
