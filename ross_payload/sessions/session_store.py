@@ -28,8 +28,9 @@ FILES = (
     "config.json", "session.json", "dated",
     "target.flac", *(f"source-{number}.flac" for number in range(MOST_SOURCES)),
 )  # fmt: skip
+OURS = frozenset(FILES)
 DATED = "dated"  # when a clock that is trusted was there first, in a session that began without one
-DATED_AT_ONCE = 20  # sessions: each waits for the disk, and what is being recorded waits with it
+DATED_AT_ONCE = 5  # sessions: each waits for the disk, and what is being recorded waits with it
 STAMP = "%Y%m%dT%H%M%SZ"  # of times in names and in `DATED`, UTC
 ASIDE = "unreadable"  # in the name of a session.json that was set aside
 LOCKED = "inputs.jsonl"  # its writer holds a lock on it, which the kernel takes back when the process dies
@@ -47,6 +48,7 @@ class StoredSession:
     bytes: int
     modified: float  # [s] since 1970, by the clock of the computer
     running: bool
+    whole: bool  # its session.json says that it is ours
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,7 @@ class SessionStore:
 
     def all(self) -> tuple[StoredSession, ...]:
         """Return all sessions, the oldest first."""
-        return tuple(kept for kept in self.with_damaged() if is_session(kept.path))
+        return tuple(kept for kept in self.with_damaged() if kept.whole)
 
     def with_damaged(self) -> tuple[StoredSession, ...]:
         """Return all sessions, and what is left of those whose session.json is lost, the oldest first."""
@@ -167,7 +169,10 @@ class SessionStore:
             kept.remove(session)
             self.delete(session)
         why = self._too_much(kept, limits, running)
-        for session in [one for one in undated if one in kept][:DATED_AT_ONCE]:  # at last: now a full disk has room
+        left = {one.path for one in kept}
+        for session in [one for one in undated if one.path in left][
+            :DATED_AT_ONCE
+        ]:  # at last: now a full disk has room
             write_whole(session.path / DATED, stamp.encode())
         return why
 
@@ -205,13 +210,13 @@ def _is_folder(path: Path) -> bool:
 
 def _kept(path: Path) -> StoredSession | None:
     match = NAME.fullmatch(path.name)
-    if match is None or path.is_symlink() or not (is_session(path) or _is_lost(path)):
+    if match is None or path.is_symlink() or not ((whole := is_session(path)) or _is_lost(path)):
         return None
-    files = [status for name in FILES if (status := _status(path / name)) is not None]
+    files = _statuses(path)
     if not files:  # somebody deletes it this moment
         return None
     newest = max(file.st_mtime for file in files)
-    return StoredSession(path, int(match[1]), sum(file.st_size for file in files), newest, is_running(path))
+    return StoredSession(path, int(match[1]), sum(file.st_size for file in files), newest, is_running(path), whole)
 
 
 def _is_lost(path: Path) -> bool:
@@ -219,9 +224,18 @@ def _is_lost(path: Path) -> bool:
     return not os.path.lexists(path / MANIFEST) or bool(manifest.damage(path))
 
 
-def _status(path: Path) -> os.stat_result | None:
+def _statuses(folder: Path) -> list[os.stat_result]:
+    """Return those of our files in a folder; none of one that cannot be read."""
     try:
-        return path.lstat()
+        with os.scandir(folder) as entries:
+            return [status for entry in entries if entry.name in OURS and (status := _status(entry)) is not None]
+    except OSError:
+        return []
+
+
+def _status(entry: os.DirEntry[str]) -> os.stat_result | None:
+    try:
+        return entry.stat(follow_symlinks=False)
     except OSError:
         return None
 
