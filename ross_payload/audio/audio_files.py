@@ -6,7 +6,7 @@ import math
 import os
 import stat
 from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
 from typing import Self
 
@@ -108,7 +108,8 @@ BUFFER = 16000  # samples that wait to be written together: a hop at a time woul
 class WavWriter:
     """Writes PCM_24 WAV beside its place and puts it there when closed, also after an exception.
 
-    The file is for its owner alone: it may hold what people have said.
+    One of which the disk has not taken all is deleted, and takes the place of no good file. The file is for its owner
+    alone: it may hold what people have said.
     PCM_24 because float WAV files carry a time stamp and would differ from run to run.
     """
 
@@ -116,6 +117,7 @@ class WavWriter:
         self._path = path
         self._waiting: list[Real] = []
         self._pending = 0  # samples waiting
+        self._error: OutputError | None = None  # why it is not whole
         with ExitStack() as stack, self._reported():
             part = stack.enter_context(replacing(path, OWN))
             self._file = soundfile.SoundFile(
@@ -147,6 +149,11 @@ class WavWriter:
         """Finish the file and put it in place; idempotent."""
         if self._file.closed:
             return
+        if self._error is not None:  # which was raised
+            with suppress(soundfile.LibsndfileError):
+                self._file.close()
+            self._place.__exit__(type(self._error), self._error, None)
+            return
         with self._reported(), self._place, closing(self._file):
             self._flush()
 
@@ -157,7 +164,8 @@ class WavWriter:
         except (OSError, soundfile.LibsndfileError) as error:
             told = isinstance(error, OSError) and error.errno
             why = reason(error) if told else f"is the disk full? ({error})"  # libsndfile does not tell
-            raise OutputError(f"{self._path.name}: cannot be written: {why}") from error
+            self._error = OutputError(f"{self._path.name}: cannot be written: {why}")
+            raise self._error from error
 
     def __enter__(self) -> Self:
         return self
