@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ross_payload.errors import AudioError
+from ross_payload.errors import AudioError, ConfigError
 from ross_payload.events import Enrolled, Estimate, Outcome, State
 from ross_payload.interfaces import Result
 from ross_payload.mission.align import align
@@ -32,8 +32,12 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
     Raises
     ------
     NotEnrolled
-        When no heading sets the source apart, or too little of it was heard.
+        When no heading sets the source apart, too little of it was heard, or no model of voices can be used.
     """
+    try:
+        voice_model = context.tools.voice_model()
+    except ConfigError as error:
+        raise NotEnrolled(str(error)) from error
     own = next((candidate for candidate in align(context, estimate) if candidate.source == source), None)
     if own is None:
         raise NotEnrolled(f"no heading within the limits isolates source {source}")
@@ -50,7 +54,7 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
             raise NotEnrolled(f"source {source} cannot be told from the others at any heading within the limits")
         voice = np.concatenate([voice, alone[source].samples])
         try:
-            model = enrol(voice, context.settings.rate, context.tools.voice_model, separated=True)
+            model = enrol(voice, context.settings.rate, voice_model, separated=True)
         except AudioError as error:
             why = str(error)
             continue

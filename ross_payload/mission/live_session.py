@@ -191,11 +191,11 @@ class LiveSession:
         """Perform one task; return the order that ends the session, if any."""
         try:
             old, kit = self._context, self._kit()
-        except ConfigError as error:  # a plug-in, or a voice model that was changed meanwhile
+        except ConfigError as error:  # a plug-in that was changed meanwhile
             self._answer(task, Answer.REFUSED, str(error))
             return None
         self._context = Context(kit.settings, kit.tools, samples=old.samples, last=old.last, pending=old.pending)
-        self._context.refusal = self._refusal
+        self._context.refusal = self._refusal_meanwhile
         if why := self._refusal(task):
             self._answer(task, Answer.REFUSED, why)
             return None
@@ -215,8 +215,16 @@ class LiveSession:
             self.busy = False
         return None
 
+    def _refusal_meanwhile(self, task: Task) -> str:
+        """Return why a task cannot be begun in the place of the present one, which goes on then; empty when it can."""
+        try:
+            self._make(self.config)
+        except ConfigError as error:
+            return str(error)
+        return self._refusal(task)
+
     def _refusal(self, task: Task) -> str:
-        """Return why a task cannot be begun, also in the place of the present one; empty when it can."""
+        """Return why a task cannot be begun; empty when it can."""
         return refusal(self._context, self._memory, task, stopped=self._stopped, fault=self._fault)
 
     def _kit(self) -> Kit:

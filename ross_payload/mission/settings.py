@@ -13,7 +13,7 @@ from ross_payload.events import SourceEstimate
 from ross_payload.interfaces import Explorer, ReconsideringExplorer, Separator, TurningExplorer, VoicePrint
 from ross_payload.localization.joint_in_noise import JointInNoise
 from ross_payload.mission.source_tracking import SourceTracker
-from ross_payload.voiceprint import VoiceModel
+from ross_payload.voiceprint import VoiceModel, built_in_model
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ class Tools:
     stft: Stft
     voiceprint: VoicePrint | None  # of the target, None: nobody is sought
     plan: Planner = plan
-    voice_model: VoiceModel | None = None  # enrols on the way; None: the built-in one
+    voice_model: Callable[[], VoiceModel] = built_in_model  # enrols on the way; ConfigError: it cannot be used now
     tracker: type[SourceTracker] = SourceTracker
     rotors: Rotors | None = None  # of the vehicle
     in_noise: JointInNoise | None = None  # observes for the explorer where the vehicle makes noise

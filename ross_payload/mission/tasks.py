@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ross_payload import orders
 from ross_payload.angles import wrap
+from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, Outcome, SourceEstimate, SourcesEstimated, State
 from ross_payload.interfaces import Output, Real, Result, Samples
 from ross_payload.mission.align import align
@@ -66,8 +67,20 @@ def refusal(context: Context, memory: Memory, task: orders.Task, *, stopped: boo
         "neither a source nor an azimuth is told": isinstance(task, orders.Enrol) and task.source is task.azimuth,
         OUTSIDE: isinstance(task, orders.TurnTo) and _joint_for(context, task.heading) is None,
     }
-    reasons = (reason for reason, true in impossible.items() if true)
-    return next(reasons, unreachable(task, context.here) if isinstance(task, orders.Point) else "")
+    if why := next((reason for reason, true in impossible.items() if true), ""):
+        return why
+    if isinstance(task, orders.Enrol):
+        return _unusable_model(context)
+    return unreachable(task, context.here) if isinstance(task, orders.Point) else ""
+
+
+def _unusable_model(context: Context) -> str:
+    """Return why nobody can be enrolled at present; empty when somebody can."""
+    try:
+        context.tools.voice_model()
+    except ConfigError as error:  # it was removed meanwhile, or another one was added
+        return str(error)
+    return ""
 
 
 def perform(context: Context, memory: Memory, task: orders.Task) -> Step[Result]:

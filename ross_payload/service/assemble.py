@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 from ross_payload import plugins
 from ross_payload.alignment.paper_rules import paper_plan
@@ -113,7 +114,7 @@ def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
         stft=Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap))),
         voiceprint=voiceprint,
         plan=PLANNERS[config.exploit.rules],
-        voice_model=ModelFolder.default().in_use(config.voice_print.model),
+        voice_model=partial(ModelFolder.default().in_use, config.voice_print.model),
         rotors=rotors_of(config),
         in_noise=in_noise_of(config),
         turning=explorer if config.explore.continuous else None,

@@ -8,7 +8,7 @@ import pytest
 from ross_payload.alignment.paper_rules import paper_plan
 from ross_payload.alignment.plan import plan
 from ross_payload.config import Config
-from ross_payload.errors import PluginError
+from ross_payload.errors import ConfigError, PluginError
 from ross_payload.mount import FixedMount, fixed_mount
 from ross_payload.service.assemble import explorer_of, informed_of, settings_of, tools_of
 
@@ -32,6 +32,13 @@ def test_an_unknown_separator_is_named():
     config = Config.model_validate({"exploit": {"separator": "magic"}})
     with pytest.raises(PluginError, match=r"'magic' is unknown; there are: .*gaussian"):
         tools_of(config, voiceprint=None)
+
+
+def test_a_model_of_voices_is_looked_for_where_somebody_is_enrolled_and_not_before(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    tools = tools_of(Config.model_validate({"voice_print": {"model": "removed"}}), voiceprint=None)
+    with pytest.raises(ConfigError, match="voice model 'removed' is unknown"):
+        tools.voice_model()
 
 
 def test_told_azimuths_are_turned_with_the_mount():

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from ross_payload.errors import AudioError, ConfigError
-from ross_payload.events import Answer, Enrolled, Separated, TurnStarted
+from ross_payload.events import Answer, Answered, Enrolled, Separated, State, StateChanged, TurnStarted
 from ross_payload.interfaces import Groups, Quality
 from ross_payload.mission import enrol_talker
 from ross_payload.mission.live_session import Kit
-from ross_payload.orders import Enrol, Explore, ListenTo, Seek
+from ross_payload.orders import Enrol, Explore, Home, ListenTo, Park, Seek, TurnTo
 from ross_payload.service.voice_keeper import VoiceKeeper
 from ross_payload.sessions.event_json import plain
 from ross_payload.voiceprint import EmbeddingPrint, VoiceStore, built_in_model
@@ -155,6 +155,63 @@ def test_sources_that_pose_as_one_are_not_enrolled(heard):
     bench.hop(Enrol(source=0, seconds=0.2, name="ann", consent=True, number=2))
     assert bench.over(2).answer is Answer.FAILED
     assert "cannot be told from the others" in bench.reason(2)
+    assert not heard
+
+
+class Removed:
+    """A model of voices in a folder that somebody else changes."""
+
+    def __init__(self):
+        self.there = True
+
+    def __call__(self):
+        if not self.there:
+            raise ConfigError("voice model 'small' is unknown")
+        return built_in_model()
+
+
+@pytest.fixture
+def model():
+    return Removed()
+
+
+@pytest.fixture
+def flown(model):
+    def kit_of(config):
+        kit = make(config)
+        return Kit(kit.settings, replace(kit.tools, voice_model=model))
+
+    bench = Bench(make=kit_of)
+    bench.hop(Explore(number=1))
+    bench.over(1)
+    return bench
+
+
+def test_without_the_model_of_voices_nobody_is_enrolled_and_what_goes_on_is_not_ended(flown, model, heard):
+    flown.hop(ListenTo(1, number=2))
+    flown.hops_until(lambda event: isinstance(event, StateChanged) and event.state is State.RUN)
+    model.there = False
+    flown.hop(Enrol(source=2, seconds=0.5, name="ann", consent=True, number=3))
+    assert flown.over(3).answer is Answer.REFUSED
+    assert flown.reason(3) == "voice model 'small' is unknown"
+    assert flown.over(2).answer is Answer.DONE
+    assert not heard
+
+
+@pytest.mark.parametrize("order", [Park(number=2), TurnTo(0.1, number=2), Home(number=2), Seek(number=2)])
+def test_without_the_model_of_voices_all_else_goes_on(flown, model, order):
+    """Whom the payload seeks is told by a print that has its model with it."""
+    model.there = False
+    flown.hop(order)
+    assert flown.over(2).answer is Answer.DONE
+
+
+def test_a_model_of_voices_that_is_removed_at_the_last_moment_ends_the_enrolment_alone(flown, model, heard):
+    flown.hop(Enrol(source=2, seconds=0.5, name="ann", consent=True, number=2))
+    flown.hops_until(lambda event: isinstance(event, Answered) and event.answer is Answer.ACCEPTED)
+    model.there = False
+    assert flown.over(2).answer is Answer.FAILED
+    assert flown.reason(2) == "voice model 'small' is unknown"
     assert not heard
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ross_payload.errors import ConfigError
 from ross_payload.events import (
     Answer,
     Finished,
@@ -150,6 +151,27 @@ def test_measured_noise_takes_the_place_of_the_lead_in(bench):
     states = [e.state for e in bench.events if isinstance(e, StateChanged)]
     assert State.NOISE in states
     assert State.LEAD_IN not in states
+
+
+def test_a_task_that_cannot_be_begun_does_not_end_the_present_one():
+    """A plug-in was changed meanwhile."""
+    broken = []
+
+    def checked(config):
+        if broken:
+            raise ConfigError("separator 'numbered' is unknown")
+        return make(config)
+
+    bench = Bench(make=checked, memory=Memory(estimate()))
+    bench.hop(ListenTo(1, number=1))
+    bench.hops_until(lambda event: isinstance(event, StateChanged) and event.state is State.RUN)
+    broken.append(True)
+    bench.hop(Seek(number=2))
+    assert bench.over(2).answer is Answer.REFUSED
+    assert bench.reason(2) == "separator 'numbered' is unknown"
+    assert bench.answers(1) == [Answer.ACCEPTED]
+    broken.clear()
+    assert bench.over(1).answer is Answer.DONE
 
 
 def test_a_setting_holds_from_the_next_task_on(bench):
