@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -68,7 +69,8 @@ def _played(
     rate, memory = config.audio.rate_hz, _memory_of(session)
     told = Replayed(start=memory.samples / rate)
     course = Divergence(turns_of(session.events()), early=config.audio.hop_ms / 2000)
-    same, model = not config_changes.matters(differing), ModelFolder.default().in_use(config.voice_print.model)
+    same = not config_changes.matters(differing)
+    model = partial(ModelFolder.default().in_use, config.voice_print.model)
     who = target_voice(session, VoiceStore.default(), lambda: told.inputs, same=same, model=model)
     wiring_differs = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differing)
     with computing():

@@ -9,7 +9,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clip, Real, Score, VoicePrint
 from ross_payload.sessions.npz_memory import VOICE_FILE, restored_voice
 from ross_payload.sessions.session_reader import RecordedSession
-from ross_payload.voiceprint import VoiceModel, VoiceStore
+from ross_payload.voiceprint import VoiceModel, VoiceStore, built_in_model
 
 
 class Unanswered(Exception):
@@ -55,28 +55,35 @@ def target_voice(
     inputs: Callable[[], int],
     *,
     same: bool,
-    model: VoiceModel | None = None,
+    model: Callable[[], VoiceModel] = built_in_model,
 ) -> TargetVoice:
     """Find whom a session looks for; ``same``: in the recorded configuration, where recorded answers serve.
 
-    Prints are those of ``model``, None: the built-in one; one that is kept with a session may also be of the built-in.
+    Prints are those of ``model``, which is asked for where one is needed; one that is kept with a session may also be
+    of the built-in one.
 
     Raises
     ------
     ConfigError
-        When the voice is neither enrolled here nor kept with the session, and the configuration is another one.
+        When the configuration is another one, and the voice is neither enrolled here with this model nor kept with the
+        session.
     """
     name, kept = session.manifest.voice, session.path / VOICE_FILE
     synthetic = kept.exists()  # a person who is enrolled under this name is somebody else
     if not name:
         return TargetVoice(None, "")
+    why = f"'{name}' is synthetic" if synthetic else f"no voice '{name}' is enrolled here"
     if name in store.names() and not synthetic:
-        return TargetVoice(store.load(name, model), f"the voice '{name}' as it is enrolled here")
+        try:
+            return TargetVoice(store.load(name, model()), f"the voice '{name}' as it is enrolled here")
+        except ConfigError as error:  # with another model, or one that is not here
+            if not same:
+                raise
+            why = str(error)
     if same:
-        why = f"'{name}' is synthetic" if synthetic else f"no voice '{name}' is enrolled here"
         return TargetVoice(RecordedAnswers(iter(session.scores()), inputs), f"recorded answers: {why}")
     if synthetic:
-        return TargetVoice(restored_voice(kept, model), f"the synthetic voice '{name}', kept with the session")
+        return TargetVoice(restored_voice(kept, model()), f"the synthetic voice '{name}', kept with the session")
     raise ConfigError(
         f"the target voice of the session is '{name}', which is not enrolled here: "
         "ross enroll it, or replay the recorded configuration"

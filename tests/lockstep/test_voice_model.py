@@ -68,6 +68,38 @@ def test_a_mission_recognises_by_the_network_and_is_replayed_from_its_recorded_a
     assert told["voice"].startswith("recorded answers")
 
 
+def test_what_was_recorded_with_a_model_that_is_not_here_is_replayed_from_its_recorded_answers(run, file, tmp_path):
+    scenario = tmp_path / "scenario.toml"
+    scenario.write_text(SHORT + '[payload.voice_print]\nmodel = "small"\n')
+    assert run("voice-model", "add", str(file))[0] == 0
+    assert run("sitl", "--scenario", scenario, "--informed", "--record", tmp_path / "tape")[0] in (0, 3)
+    assert run("voice-model", "remove", "small")[0] == 0
+    code, out, err = run("replay", tmp_path / "tape" / "0001", "--json")
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    assert told["identical"]
+    assert told["voice"].startswith("recorded answers")
+    changed = run("replay", tmp_path / "tape" / "0001", "--json", "--set", "exploit.separator=duet")
+    assert changed[::2] == (2, "ross: voice model 'small' is unknown; there are: auto, built-in\n")
+
+
+def test_a_voice_that_is_enrolled_here_with_another_model_is_replayed_from_its_recorded_answers(run, file, tmp_path):
+    scenario, voice = tmp_path / "scenario.toml", tmp_path / "voice.wav"
+    scenario.write_text(SHORT)
+    soundfile.write(voice, vowel(), RATE)
+    assert run("enroll", "ann", str(voice))[0] == 0
+    asked = ("sitl", "--scenario", scenario, "--informed", "--target", "ann", "--record", tmp_path / "tape")
+    assert run(*asked)[0] in (0, 3)
+    session = tmp_path / "tape" / "0001"
+    assert json.loads(run("replay", session, "--json")[1])["voice"] == "the voice 'ann' as it is enrolled here"
+    assert run("voice-model", "add", str(file))[0] == 0
+    told = json.loads(run("replay", session, "--json")[1])
+    assert told["identical"]
+    assert told["voice"].startswith("recorded answers: ")
+    assert told["voice"].endswith("made with another voice model: enrol this voice again")
+    assert run("replay", session, "--set", "exploit.separator=duet")[0] == 2
+
+
 def test_a_print_of_another_model_is_refused_before_anything_opens(run, file, tmp_path):
     voice, payload = tmp_path / "voice.wav", tmp_path / "payload.toml"
     soundfile.write(voice, vowel(), RATE)
