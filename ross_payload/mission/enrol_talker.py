@@ -31,8 +31,8 @@ def enrol_source(context: Context, estimate: Estimate, source: int, order: Enrol
     """Listen to one source of an estimate, whose talker agrees to it, and enrol what is heard.
 
     The voice print is the one of `ross_payload.voiceprint.enrol`, made from the separated voice, or the parts in which
-    it dominates: of a long one `MOST` seconds. Where there is too little speech in it the array goes on listening, three
-    periods at most.
+    it dominates; of a long one `MOST` seconds. Where there is too little speech in it the array goes on listening,
+    three periods at most.
 
     Raises
     ------

@@ -13,13 +13,15 @@ from queue import SimpleQueue
 from types import TracebackType
 
 from ross_payload.errors import ConfigError, RossError
-from ross_payload.events import Enrolled, Event
+from ross_payload.events import Answer, Answered, Enrolled, Event
 from ross_payload.interfaces import Input
 from ross_payload.orders import Enrol, Order
 from ross_payload.voiceprint import EmbeddingPrint, VoiceStore
 from ross_payload.voiceprint.store import NameTaken
 
 log = logging.getLogger(__name__)
+
+OVER = (Answer.DONE, Answer.REFUSED, Answer.FAILED, Answer.CANCELLED)
 
 
 class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
@@ -38,6 +40,7 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
         self._utc = utc
         self._names: set[str] = set()  # given here; not all of them are written yet
         self._chosen: set[str] = set()  # of these, the numbers that nobody asked for
+        self._pending: dict[int, str] = {}  # of these, whose enrolment is not over, by the number of the order
         self._writer = ThreadPoolExecutor(max_workers=1, thread_name_prefix="voices")
         self._troubles: SimpleQueue[str] = SimpleQueue()
 
@@ -54,7 +57,10 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
         if order.name:
             self._chosen.discard(order.name)
             return order
-        return replace(order, name=self._choose())
+        name = self._choose()
+        if order.number:
+            self._pending[order.number] = name
+        return replace(order, name=name)
 
     def poll(self, send_text: Callable[[str], None]) -> None:
         """Tell in words what went wrong since the last call."""
@@ -65,7 +71,12 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
         """Nobody is enrolled by a hop."""
 
     def on_event(self, event: Event, hop: Input) -> None:
-        """Store a voice that was enrolled, without waiting for the disk."""
+        """Store a voice that was enrolled, without waiting for the disk; a number is free again if nobody was."""
+        if isinstance(event, Answered) and event.answer in OVER:
+            name = self._pending.pop(event.order, None)
+            if name is not None and event.answer is not Answer.DONE:
+                self._names.discard(name)
+                self._chosen.discard(name)
         if isinstance(event, Enrolled) and self._store is not None and isinstance(event.voiceprint, EmbeddingPrint):
             now = self._utc()
             when = "at a time that no clock told" if now is None else f"{now:%Y-%m-%dT%H:%M:%SZ}"

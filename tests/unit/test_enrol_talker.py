@@ -289,6 +289,20 @@ def test_who_has_no_name_gets_a_number(store):
         assert keeper.named(Enrol(source=0, name="ann", consent=True)).name == "ann"
 
 
+@pytest.mark.parametrize("answer", [Answer.REFUSED, Answer.FAILED, Answer.CANCELLED])
+def test_the_number_of_who_was_not_enrolled_is_free_again(store, answer):
+    with VoiceKeeper(store) as keeper:
+        assert keeper.named(Enrol(source=0, consent=True, number=7)).name == "talker-1"
+        keeper.on_event(Answered(0.5, 7, Answer.ACCEPTED), None)
+        keeper.on_event(Answered(1.0, 6, answer, "another order"), None)
+        assert keeper.named(Enrol(source=0, consent=True, number=8)).name == "talker-2"
+        keeper.on_event(Answered(1.0, 7, answer, "too little speech"), None)
+        assert keeper.named(Enrol(source=0, consent=True, number=9)).name == "talker-1"
+        keeper.on_event(Enrolled(2.0, "talker-1", 0, 0.0, 5.0, model_of()), None)
+        keeper.on_event(Answered(2.0, 9, Answer.DONE), None)
+        assert keeper.named(Enrol(source=0, consent=True, number=10)).name == "talker-3"
+
+
 def test_two_payloads_of_one_user_number_voices_one_after_the_other(store):
     first, second = (replace(model_of(), embedding=row) for row in np.eye(built_in_model().size)[:2])
     said = []
