@@ -88,6 +88,8 @@ def reduce(mission: MissionState, event: events.Event) -> MissionState:
             mission = replace(mission, goal=event.heading, alignment=_turned_to(mission, event))
         case events.Checked() | events.Separated():
             mission = _separation(mission, event)
+        case events.Enrolled():  # another target, whom nobody was compared with yet
+            mission = replace(mission, target=None, target_found=False, score=None)
         case events.ScoreDropped():
             mission = replace(mission, target_found=False, target=None, score=event.value)
         case events.Finished():

@@ -84,6 +84,8 @@ class Reporter:
                 self._mark(here, values.CandidateState.TURNING)
             case events.Checked() | events.Separated():
                 self._separate(event, stamp)
+            case events.Enrolled():
+                self._forget_target()
 
     def _orient(self, event: events.OrientationHeard, stamp: Stamp) -> None:
         if event.index == 0:
@@ -117,6 +119,13 @@ class Reporter:
             self._mark(tried, event_messages.verdict(event))
         self._separations = event_messages.separations(event, self.mission.separations, stamp, self._snapshot.criterion)
         self._board.announce(Rank.SEPARATION, self._separations)
+
+    def _forget_target(self) -> None:
+        """Tell no more who sounds like the target: another voice is enrolled, which nobody was compared with yet."""
+        self.sources = [replace(source, score=None, target=False) for source in self.sources]
+        self._separations = []
+        self._board.announce(Rank.SOURCE, self.sources)
+        self._board.announce(Rank.SEPARATION, [])
 
     def _mark(self, changed: list[values.Alignment], state: values.CandidateState) -> None:
         self._alignments = [replace(a, state=state) if a in changed else a for a in self._alignments]

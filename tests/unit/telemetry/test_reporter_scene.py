@@ -7,6 +7,7 @@ from ross_payload.events import (
     AlignmentCandidate,
     AlignmentPlanned,
     Checked,
+    Enrolled,
     Estimate,
     Finished,
     GroupScore,
@@ -180,3 +181,14 @@ def test_the_isolation_of_every_source_is_a_curve_over_half_a_turn(ground) -> No
 def test_silence_has_no_curve(ground) -> None:
     ground.say(OrientationHeard(0.0, 0, 0.5, 0.5, np.arange(3.0), np.zeros(3), ()), THREE, PLANNED)
     assert ground.all(Density) == ground.all(Isolation) == []
+
+
+def test_who_sounded_like_the_target_before_another_voice_was_enrolled_is_told_no_more(ground) -> None:
+    ground.say(THREE, separated(0, GroupScore((1,), 3.0, True), GroupScore((0, 2), -5.0, False)))
+    status = ground.latest(Status)
+    assert (status.target, status.target_found, status.score) == (1, True, 3.0)
+    ground.forget()
+    ground.say(Enrolled(1.0, "talker-1", 2, 0.1, 5.0, None))
+    status = ground.latest(Status)
+    assert (status.target, status.target_found, status.score) == (None, False, None)
+    assert [(each.source, each.score, each.target) for each in ground.all(Source)] == [(1, None, False)]
