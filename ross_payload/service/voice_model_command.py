@@ -6,6 +6,10 @@ from pathlib import Path
 
 import click
 
+from ross_payload.bounded_files import printable
+
+LONGEST = 200  # of what a file says of itself [characters]
+
 
 @click.group(short_help="Add or remove a network that compares voices.")
 def command() -> None:
@@ -25,8 +29,8 @@ def add(file: Path, calibration: Path | None) -> None:
 
     model = ModelFolder.default().add(file, calibration)
     click.echo(f"added {file.stem}: {file.stat().st_size / 1e6:.1f} MB, {model.size} numbers for each voice")
-    click.echo(f"licence: {model.licence or 'the file names none: see where it was published'}")
-    click.echo(f"calibration: {model.calibration.source or 'none of its own: as measured on CAM++'}")
+    click.echo(f"licence: {_line(model.licence) or 'the file names none: see where it was published'}")
+    click.echo(f"calibration: {_line(model.calibration.source) or 'none of its own: as measured on CAM++'}")
     click.echo("voices that were enrolled with another model have to be enrolled again: ross enroll NAME FILE.wav")
 
 
@@ -50,3 +54,8 @@ def remove(name: str) -> None:
 
     ModelFolder.default().remove(name)
     click.echo(f"removed {name}")
+
+
+def _line(text: str) -> str:
+    """Return what a file says of itself as one line."""
+    return printable(text[:LONGEST])

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import threading
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,9 @@ from ross_payload.voiceprint.features import RATE, Features
 BANDS = 80
 FULL_SCALE = 32768.0  # Kaldi's samples are those of 16 bits
 TRIED_FRAMES = (30, 300)  # 0.3 and 3 s of noise: what a network is tried with
+TRIAL_TIMEOUT_S = 30.0  # for each of them
+MOST_NUMBERS = 16384  # of an embedding: published networks give up to 2048, and a print is a small file
+WEIGHTS_BESIDE = "session.model_external_initializers_file_folder_path"  # of the session options of onnxruntime
 BUILT_IN = 0.05  # weight of what the built-in model says beside the cosine of a network
 
 
@@ -135,29 +139,51 @@ def _opened(content: bytes, name: str) -> tuple[Any, str, int]:
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.log_severity_level = 4
+    options.add_session_config_entry(WEIGHTS_BESIDE, os.devnull)  # else those in the folder one happens to be in
     try:
         session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
     except Exception as error:  # onnxruntime has a class of its own for each way to be damaged
-        raise ConfigError(f"{name}: expected an ONNX file: {str(error).splitlines()[0]}") from error
+        told = str(error).splitlines()[0]
+        if "External data" in told:
+            told = "its weights are in a file beside it: save it with all of them inside"
+        raise ConfigError(f"{name}: expected an ONNX file: {told}") from error
     inputs, outputs = session.get_inputs(), session.get_outputs()
     shapes = ", ".join(f"{each.name} {each.shape}" for each in (*inputs, *outputs))
     if len(inputs) != 1 or len(inputs[0].shape) != len(("batch", "frames", "bands")):
         raise ConfigError(f"{name}: expected one input (batch, frames, {BANDS}), got {shapes}")
-    sizes = []
-    for frames in TRIED_FRAMES:
-        noise = np.random.default_rng(0).standard_normal((1, frames, BANDS)).astype(np.float32)
-        try:
-            found = np.asarray(session.run(None, {inputs[0].name: noise - noise.mean(axis=1, keepdims=True)})[0])
-        except Exception as error:
-            told = str(error).splitlines()[0]
-            raise ConfigError(f"{name}: expected float32 (batch, frames, {BANDS}), got {shapes}: {told}") from error
-        if found.ndim != len(("batch", "size")) or len(found) != 1 or found.dtype.kind != "f":
-            raise ConfigError(f"{name}: expected one embedding (batch, size), got {shapes}")
-        if not np.isfinite(found).all() or not found.any():
-            got = "zeros" if np.isfinite(found).all() else "numbers that are not finite"
-            raise ConfigError(f"{name}: expected an embedding of {frames} frames of noise, got {got}")
-        sizes.append(found.shape[1])
+    tried = [_tried(session, name, shapes, frames) for frames in TRIED_FRAMES]
+    sizes = [len(each) for each in tried]
     if len(set(sizes)) > 1:
         of = " and ".join(f"{size} of {frames} frames" for size, frames in zip(sizes, TRIED_FRAMES, strict=True))
         raise ConfigError(f"{name}: expected as many numbers of every recording, got {of}")
+    if sizes[0] > MOST_NUMBERS:
+        raise ConfigError(f"{name}: expected an embedding of at most {MOST_NUMBERS} numbers, got {sizes[0]}")
+    if np.array_equal(tried[0], tried[1]):
+        raise ConfigError(f"{name}: expected an embedding that depends on what is heard, got the same twice")
     return session, inputs[0].name, sizes[0]
+
+
+def _tried(session: Any, name: str, shapes: str, frames: int) -> Real:
+    """Return the embedding of so many frames of noise, (n,); a network that does not end is ended."""
+    noise = np.random.default_rng(frames).standard_normal((1, frames, BANDS)).astype(np.float32)
+    options = _onnxruntime().RunOptions()
+    ending = threading.Timer(TRIAL_TIMEOUT_S, setattr, (options, "terminate", True))  # no signal is heard in `run`
+    ending.daemon = True
+    ending.start()
+    try:
+        inputs = {session.get_inputs()[0].name: noise - noise.mean(axis=1, keepdims=True)}
+        found = np.asarray(session.run(None, inputs, options)[0])
+    except Exception as error:
+        if options.terminate:
+            limit = f"{TRIAL_TIMEOUT_S:g} s"
+            raise ConfigError(f"{name}: expected an embedding of {frames} frames within {limit}, got none") from error
+        told = str(error).splitlines()[0]
+        raise ConfigError(f"{name}: expected float32 (batch, frames, {BANDS}), got {shapes}: {told}") from error
+    finally:
+        ending.cancel()
+    if found.ndim != len(("batch", "size")) or len(found) != 1 or found.dtype.kind != "f":
+        raise ConfigError(f"{name}: expected one embedding (batch, size), got {shapes}")
+    if not np.isfinite(found).all() or not found.any():
+        got = "zeros" if np.isfinite(found).all() else "numbers that are not finite"
+        raise ConfigError(f"{name}: expected an embedding of {frames} frames of noise, got {got}")
+    return np.asarray(found[0], np.float64)

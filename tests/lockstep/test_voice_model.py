@@ -42,6 +42,16 @@ def test_the_command_adds_lists_enrols_and_removes(run, file, tmp_path):
     assert (code, err) == (2, "ross: no voice model 'small' was added\n")
 
 
+def test_what_a_network_says_of_itself_is_a_line_and_not_a_command_to_the_terminal(run, file):
+    file.write_bytes(speaker_network(licence="MIT\x1b[2J\nadded: all is well" + 1000 * "x"))
+    code, out, _ = run("voice-model", "add", str(file))
+    assert code == 0
+    (line,) = [each for each in out.split("\n") if each.startswith("licence: ")]
+    assert line.startswith("licence: MIT\\x1b[2J\\nadded: all is well")
+    assert len(line) < 300
+    assert "\x1b" not in out
+
+
 def test_a_mission_recognises_by_the_network_and_is_replayed_from_its_recorded_answers(run, file, tmp_path):
     scores = {}
     assert run("voice-model", "add", str(file))[0] == 0

@@ -17,7 +17,8 @@ def speaker_network(
 ):
     """Return its bytes; ``last`` is what it gives.
 
-    ``nothing`` are zeros, ``roots`` those of numbers of either sign, ``by_frame`` as many numbers as there are frames.
+    ``nothing`` are zeros, ``roots`` those of numbers of either sign, ``by_frame`` as many numbers as there are frames,
+    ``fixed`` the same of every voice; ``endless`` never comes.
     """
     weights = np.random.default_rng(seed).standard_normal((bands, size)).astype(np.float32)
     nodes = [
@@ -27,19 +28,38 @@ def speaker_network(
         helper.make_node("Sub", ["embedding", "embedding"], ["nothing"]),
         helper.make_node("Sqrt", ["embedding"], ["roots"]),
         helper.make_node("ReduceMean", ["size"], ["by_frame"], axes=[2], keepdims=0),
+        helper.make_node("Add", ["nothing", "one"], ["fixed"]),
     ]
+    if last == "endless":
+        nodes.append(helper.make_node("Loop", ["", "true", "embedding"], ["endless"], body=_unchanged()))
     feats = helper.make_tensor_value_info("feats", TensorProto.FLOAT, ["batch", frames, bands])
     shape = ["batch", size] if over_time else ["batch", 1, size]
     embedding = helper.make_tensor_value_info(
         last, TensorProto.FLOAT, shape if last != "by_frame" else ["batch", frames]
     )
-    kept = [numpy_helper.from_array(weights, "weights")]
+    constants = {"weights": weights, "one": np.float32(1.0), "true": np.array(True)}
+    kept = [numpy_helper.from_array(np.asarray(value), name) for name, value in constants.items()]
     graph = helper.make_graph(nodes, "speakers", [feats], [embedding], kept)
     model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 13)], ir_version=8)
     if licence:
         helper.set_model_props(model, {"license": licence})
     onnx.checker.check_model(model)
     return model.SerializeToString()
+
+
+def _unchanged():
+    """Return the body of a loop that passes on what it is given, and goes on."""
+    inputs = [
+        helper.make_tensor_value_info("turn", TensorProto.INT64, []),
+        helper.make_tensor_value_info("on", TensorProto.BOOL, []),
+        helper.make_tensor_value_info("held", TensorProto.FLOAT, None),
+    ]
+    nodes = [helper.make_node("Identity", [a], [b]) for a, b in (("on", "still_on"), ("held", "passed_on"))]
+    outputs = [
+        helper.make_tensor_value_info("still_on", TensorProto.BOOL, []),
+        helper.make_tensor_value_info("passed_on", TensorProto.FLOAT, None),
+    ]
+    return helper.make_graph(nodes, "unchanged", inputs, outputs)
 
 
 def vowel(pitch=120.0, formant=700.0, seconds=4.0, seed=0):

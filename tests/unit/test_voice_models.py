@@ -7,15 +7,16 @@ import sys
 from dataclasses import replace
 
 import numpy as np
+import onnx
 import pytest
 
 from ross_payload.audio.audio_files import read_mono
 from ross_payload.errors import ConfigError, PluginError
 from ross_payload.interfaces import Clip
-from ross_payload.voiceprint import VoiceStore, built_in_model, enrol
+from ross_payload.voiceprint import VoiceStore, built_in_model, embedding_model, enrol
 from ross_payload.voiceprint.built_in import SEVERAL
 from ross_payload.voiceprint.disturbed_copies import COPIES, disturbed
-from ross_payload.voiceprint.embedding_model import BUILT_IN, EmbeddingModel
+from ross_payload.voiceprint.embedding_model import BUILT_IN, MOST_NUMBERS, EmbeddingModel
 from ross_payload.voiceprint.embedding_print import Calibration, unit
 from ross_payload.voiceprint.features import RATE, at_rate
 from ross_payload.voiceprint.model_folder import ANY, ModelFolder
@@ -107,15 +108,36 @@ def test_of_several_networks_one_has_to_be_chosen(folder, file, tmp_path):
         (speaker_network(last="by_frame"), "got 30 of 30 frames and 300 of 300 frames"),
         (speaker_network(last="nothing"), "got zeros"),
         (speaker_network(last="roots"), "got numbers that are not finite"),
+        (speaker_network(last="fixed"), "an embedding that depends on what is heard, got the same twice"),
+        (speaker_network(size=MOST_NUMBERS + 1), f"of at most {MOST_NUMBERS} numbers, got {MOST_NUMBERS + 1}"),
     ],
-    ids=["text", "40 bands", "an embedding per frame", "0.3 s only", "a number per frame", "zeros", "not finite"],
-)
+    ids=[
+        "text", "40 bands", "an embedding per frame", "0.3 s only", "a number per frame", "zeros", "not finite",
+        "of nobody", "too large to be kept",
+    ],
+)  # fmt: skip
 def test_what_is_no_network_of_speakers_is_refused_and_replaces_nothing(folder, file, content, words):
     kept = folder.add(file).fingerprint
     file.write_bytes(content)
     with pytest.raises(ConfigError, match=words):
         folder.add(file)
     assert folder.load("small").fingerprint == kept
+
+
+def test_a_network_that_does_not_end_is_refused(folder, file, monkeypatch):
+    monkeypatch.setattr(embedding_model, "TRIAL_TIMEOUT_S", 0.2)
+    file.write_bytes(speaker_network(last="endless"))
+    with pytest.raises(ConfigError, match=r"expected an embedding of 30 frames within 0.2 s, got none"):
+        folder.add(file)
+
+
+def test_a_network_whose_weights_are_in_another_file_is_refused_also_where_that_is(folder, tmp_path, monkeypatch):
+    """The copy would not have them."""
+    monkeypatch.chdir(tmp_path)
+    network = onnx.load_from_string(speaker_network())
+    onnx.save(network, "parts.onnx", save_as_external_data=True, location="parts.data", size_threshold=0)
+    with pytest.raises(ConfigError, match="its weights are in a file beside it: save it with all of them inside"):
+        folder.add(tmp_path / "parts.onnx")
 
 
 @pytest.mark.parametrize("name", ["a b.onnx", ".onnx", "auto.onnx", "built-in.onnx", "small.pt"])
