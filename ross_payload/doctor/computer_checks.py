@@ -119,8 +119,13 @@ def recordings(config: Config, machine: Machine) -> Iterator[Finding]:
 
 
 def voice(config: Config, machine: Machine) -> Iterator[Finding]:
-    """Whether the voice to look for is enrolled, whole, and read by nobody else."""
+    """Whether voices can be compared, and the one to look for is enrolled, whole, and read by nobody else."""
     name = config.service.target
+    try:
+        model = ModelFolder.default(machine.environment).in_use(config.voice_print.model)
+    except ConfigError as error:
+        yield fail("voice", f"voice_print.model: {error}", "ross voice-model list; ross voice-model remove NAME")
+        return
     if not name:
         if config.service.autostart == "seek":
             yield fail("voice", "service.autostart = 'seek', but no service.target", "name an enrolled voice")
@@ -129,7 +134,7 @@ def voice(config: Config, machine: Machine) -> Iterator[Finding]:
         return
     store = VoiceStore.default(machine.environment)
     try:
-        store.load(name, ModelFolder.default(machine.environment).in_use(config.voice_print.model))
+        store.load(name, model)
     except ConfigError as error:
         yield fail("voice", str(error), f"as the user of the service: ross enroll {name} FILE.wav")
         return

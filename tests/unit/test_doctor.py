@@ -176,6 +176,19 @@ def test_a_disk_without_room_is_warned_of(tmp_path):
     assert said(computer_checks.recordings(wanted, machine(tmp_path)))[0] is Verdict.WARN
 
 
+def test_a_model_of_voices_that_cannot_be_used_is_told_also_without_a_target(tmp_path):
+    """`ross run` would not start."""
+    folder = tmp_path / "voice-data" / "ross" / "voice-models"
+    folder.mkdir(parents=True)
+    (folder / "damaged.onnx").write_text("no network")
+    here = Machine(environment={"XDG_DATA_HOME": str(tmp_path / "voice-data")})
+    for asked in ({}, {"service": {"target": "anna"}}):
+        verdict, text = said(computer_checks.voice(config(**asked), here))
+        assert verdict is Verdict.FAIL
+        assert "voice_print.model: " in text
+        assert "damaged.onnx: expected an ONNX file" in text
+
+
 def test_a_voice_that_is_sought_must_be_enrolled(tmp_path):
     here = Machine(environment={"XDG_DATA_HOME": str(tmp_path)})
     verdict, text = said(computer_checks.voice(config(service={"target": "anna"}), here))
