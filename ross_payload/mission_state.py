@@ -33,6 +33,7 @@ class MissionState:
     separations: int = 0
     target: int | None = None  # index of a source
     target_found: bool = False
+    sought: bool = True  # a voice is enrolled: without one scores are 0 and tell nothing
     score: float | None = None
     goal: float | None = None  # heading that is turned to [rad]
 
@@ -89,7 +90,7 @@ def reduce(mission: MissionState, event: events.Event) -> MissionState:
         case events.Checked() | events.Separated():
             mission = _separation(mission, event)
         case events.Enrolled():  # another target, whom nobody was compared with yet
-            mission = replace(mission, target=None, target_found=False, score=None)
+            mission = replace(mission, target=None, target_found=False, score=None, sought=True)
         case events.ScoreDropped():
             mission = replace(mission, target_found=False, target=None, score=event.value)
         case events.Finished():
@@ -119,7 +120,7 @@ def _separation(mission: MissionState, event: events.Checked | events.Separated)
         alignment=event.candidate if isinstance(event, events.Checked) else mission.alignment,
         target=None if group is None else target_of(event.groups[group], preferred),
         target_found=group is not None,
-        score=leading_score(event),
+        score=leading_score(event) if mission.sought else None,
     )
 
 

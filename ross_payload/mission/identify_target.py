@@ -122,7 +122,7 @@ def scored(context: Context, found: Identification, evidence: Evidence | None = 
 
 
 def _scored(context: Context, groups: Groups, group: int, value: float) -> GroupScore:
-    accepted = value > context.settings.criterion
+    accepted = value > context.settings.criterion and context.tools.voiceprint is not None
     if not groups.quality:
         return GroupScore(groups.members[group], value, accepted)
     quality = groups.quality[group]

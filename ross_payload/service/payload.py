@@ -252,4 +252,5 @@ def _telemetry(
         timebase=parts.timebase,
         recordings=Recordings(parts.store.folder, asked.ftp_bytes_s) if asked.offer_ftp else None,
         latch=parts.latch,
+        sought=parts.voiceprint is not None,
     )

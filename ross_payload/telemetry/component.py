@@ -103,6 +103,8 @@ class Telemetry:
         Are offered over MAVLink FTP; None: they are not.
     latch
         Tells when a stop is on the disk, which is acknowledged then; None: nothing outlives this process.
+    sought
+        A voice is enrolled from the beginning, and scores say how much others sound like it.
 
     Raises
     ------
@@ -129,6 +131,7 @@ class Telemetry:
         timebase: Timebase | None = None,
         recordings: Recordings | None = None,
         latch: StopMemory | None = None,
+        sought: bool = True,
     ) -> None:
         self._config = config
         self._clock = clock
@@ -148,7 +151,7 @@ class Telemetry:
         component = links.component(config.telemetry.component_id)
         self._scheduler = MessageScheduler(self._board, links, component, periods(config.telemetry))
         self._send_text = OperatorTexts(self._scheduler.queue_texts, clock.now).send
-        self._reporter = Reporter(self._board, self._send_text)
+        self._reporter = Reporter(self._board, self._send_text, sought=sought)
         taping = None if recorder is None else recorder.status
         self._health_report = HealthReport(self._board, self._send_text, health, taping, computer)
         self._streams = StreamReporter(self._board, self._send_text, tuple if listening is None else listening.streams)

@@ -179,15 +179,15 @@ def alignments(planned: events.AlignmentPlanned, number: int, stamp: Stamp) -> l
 
 
 def separations(
-    event: events.Checked | events.Separated, number: int, stamp: Stamp, criterion: float | None
+    event: events.Checked | events.Separated, mission: MissionState, stamp: Stamp, criterion: float | None
 ) -> list[values.Separation]:
-    """Return one value per separated group."""
+    """Return one value per separated group; without a score where nobody is enrolled."""
     checked = isinstance(event, events.Checked)
     heading = event.candidate.heading if isinstance(event, events.Checked) else event.heading
     return [
         values.Separation(
             time_usec=stamp.time_usec,
-            separation=number,
+            separation=mission.separations,
             group=index,
             count=len(event.groups),
             phase=values.Phase.CHECK if checked else values.Phase.RUN,
@@ -195,7 +195,7 @@ def separations(
             method=event.method,
             earth=stamp.earth,
             heading=heading,
-            score=group.value,
+            score=group.value if mission.sought else None,
             criterion=criterion,
             si_sdr=group.si_sdr,
             si_sdri=group.si_sdri,

@@ -22,12 +22,15 @@ TRACKING_PERIOD = 0.5  # [s] at least between two announcements of sources that 
 
 
 class Reporter:
-    """Turns a mission into what there is to tell; one that lives through many tasks."""
+    """Turns a mission into what there is to tell; one that lives through many tasks.
 
-    def __init__(self, board: Board, send_text: Callable[[values.Severity, str], None]) -> None:
+    ``sought``: a voice is enrolled from the beginning, and what is separated is compared with it.
+    """
+
+    def __init__(self, board: Board, send_text: Callable[[values.Severity, str], None], *, sought: bool = True) -> None:
         self._board = board
         self._send_text = send_text
-        self.mission = MissionState()
+        self.mission = MissionState(sought=sought)
         self._snapshot = Snapshot()
         self._fault = ""  # that was sent as a text
         self._densities: list[values.Density] = []
@@ -112,12 +115,13 @@ class Reporter:
             self._board.put(Rank.SOURCE, self.sources)
 
     def _separate(self, event: events.Checked | events.Separated, stamp: Stamp) -> None:
-        self.sources = event_messages.scored(self.sources, event.groups, self.mission.target)
+        compared = event.groups if self.mission.sought else ()
+        self.sources = event_messages.scored(self.sources, compared, self.mission.target)
         self._board.announce(Rank.SOURCE, self.sources)
         if isinstance(event, events.Checked):
             tried = [a for a in self._alignments if a.source == event.candidate.source]
             self._mark(tried, event_messages.verdict(event))
-        self._separations = event_messages.separations(event, self.mission.separations, stamp, self._snapshot.criterion)
+        self._separations = event_messages.separations(event, self.mission, stamp, self._snapshot.criterion)
         self._board.announce(Rank.SEPARATION, self._separations)
 
     def _forget_target(self) -> None:

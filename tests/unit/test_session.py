@@ -101,6 +101,19 @@ def test_nobody_is_sought_when_nobody_is_enrolled():
     assert bench.over(2).answer is Answer.DONE
 
 
+def test_nobody_sounds_like_the_target_when_nobody_is_enrolled_whatever_the_criterion():
+    def kind(config):
+        kit = nobody(config)
+        return Kit(replace(kit.settings, criterion=-1.0), kit.tools)
+
+    bench = Bench(make=kind, memory=Memory(estimate()))
+    bench.hop(ListenTo(1, number=1))
+    assert bench.over(1).answer is Answer.DONE
+    heard = [group for event in bench.events if isinstance(event, Separated) for group in event.groups]
+    assert heard
+    assert not any(group.accepted for group in heard)
+
+
 def test_told_azimuths_are_searched_without_exploring(bench):
     bench.hop(Informed(tuple(np.deg2rad(AZIMUTHS)), first=1, number=1))
     assert bench.over(1).answer is Answer.DONE

@@ -21,6 +21,7 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
+from ross_payload.telemetry.reporter import Reporter
 from ross_protocols.mavlink.values import (
     CURVE_POINTS,
     Alignment,
@@ -192,3 +193,13 @@ def test_who_sounded_like_the_target_before_another_voice_was_enrolled_is_told_n
     status = ground.latest(Status)
     assert (status.target, status.target_found, status.score) == (None, False, None)
     assert [(each.source, each.score, each.target) for each in ground.all(Source)] == [(1, None, False)]
+
+
+def test_where_nobody_is_enrolled_no_score_is_told(ground) -> None:
+    ground.reporter = Reporter(ground._board, lambda severity, text: None, sought=False)
+    ground.say(THREE, separated(0, GroupScore((1,), 0.0, False), GroupScore((0, 2), 0.0, False)))
+    assert [each.score for kind in (Source, Separation) for each in ground.all(kind)] == [None] * 5
+    assert ground.latest(Status).score is None
+    ground.say(Enrolled(1.0, "talker-1", 2, 0.1, 5.0, None))
+    ground.say(separated(0, GroupScore((1,), 3.0, True), GroupScore((0, 2), -5.0, False)))
+    assert (ground.latest(Status).score, ground.latest(Source).score) == (3.0, 3.0)
