@@ -20,6 +20,7 @@ from ross_payload.errors import AudioError, OutputError, reason, refused_as
 from ross_payload.interfaces import Real
 
 BLOCK = 65_536  # samples that are read at a time
+CANCELLED = 1e-3  # power of the mean of channels over theirs, below which one is inverted
 
 
 def check_readable(path: Path) -> None:
@@ -65,10 +66,11 @@ def read_mono(path: Path, longest: float = math.inf) -> tuple[Real, int, bool]:
     Raises
     ------
     AudioError
-        When the file is missing, not audio, empty, sampled above 192 kHz or louder than any sound, or holds samples
-        that are not finite.
+        When the file is missing, not audio, empty, sampled above 192 kHz or louder than any sound, holds samples
+        that are not finite, or its channels cancel each other.
     """
     read: list[Real] = []
+    power = mean_power = 0.0
     with _opened(path) as file:
         left = math.inf if longest == math.inf else round(longest * file.samplerate)
         while len(block := file.read(min(left, BLOCK), always_2d=True)):  # an hour does not fit into the memory
@@ -76,9 +78,13 @@ def read_mono(path: Path, longest: float = math.inf) -> tuple[Real, int, bool]:
                 raise AudioError(f"{path}: expected finite samples, got NaN or infinity")
             _check_peak(path, block)
             read.append(block.mean(axis=1))
+            power += float(np.sum(block**2) / block.shape[1])
+            mean_power += float(np.sum(read[-1] ** 2))
             left -= len(block)
         if not read:
             raise AudioError(f"{path}: expected speech, got a clip of 0 s")
+        if mean_power < CANCELLED * power:
+            raise AudioError(f"{path}: expected channels to add up, got some that cancel the others: invert these")
         return np.concatenate(read), int(file.samplerate), left == 0 and len(file.read(1)) > 0
 
 

@@ -73,6 +73,19 @@ def test_a_recording_is_read_as_the_mean_of_its_channels(tmp_path, form):
     assert goes_on
 
 
+def test_channels_of_opposite_polarity_are_named_and_not_taken_for_clipping(run, tmp_path):
+    """As from a balanced cable in a stereo jack: half a step is left of what cancels."""
+    path, voice = tmp_path / "opposite.wav", vowel()
+    soundfile.write(path, np.stack([voice, -voice], axis=1), 16000)
+    assert run("enroll", "ann", path) == (
+        2,
+        "",
+        f"ross: {path}: expected channels to add up, got some that cancel the others: invert these\n",
+    )
+    soundfile.write(path, np.stack([voice, np.zeros_like(voice)], axis=1), 16000)
+    assert run("enroll", "ann", path)[0] == 0
+
+
 def test_forgetting_somebody_unknown_says_so(run):
     code, _, err = run("enroll", "nobody", "--forget")
     assert code == 2
