@@ -12,7 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from ross_payload.atomic_files import write_whole
+from ross_payload.atomic_files import remove_leftovers, write_whole
 from ross_payload.bounded_files import MB, parsed_json, read_bounded
 from ross_payload.errors import ConfigError, near, shown, unkept, unknown
 from ross_payload.voiceprint.built_in import built_in_model
@@ -75,6 +75,7 @@ class ModelFolder:
         content = read_model(source)
         read = _calibration(calibration) if calibration is not None else ANY
         model = EmbeddingModel(content, str(source), read)
+        remove_leftovers(self.folder, f"*{SUFFIX}")
         try:
             write_whole(self.path(name), content)
             beside = self._calibration_path(name)
@@ -112,6 +113,7 @@ class ModelFolder:
         ConfigError
             When there is none of that name, or it cannot be deleted.
         """
+        remove_leftovers(self.folder, f"*{SUFFIX}")
         if name not in self.names():  # nor a path to a file elsewhere
             raise ConfigError(f"no voice model {shown(name)} was added{near(name, self.names())}")
         try:

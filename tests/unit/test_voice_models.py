@@ -124,6 +124,15 @@ def test_what_is_no_network_of_speakers_is_refused_and_replaces_nothing(folder, 
     assert folder.load("small").fingerprint == kept
 
 
+def test_what_a_kill_has_left_of_a_network_is_deleted(folder, file):
+    folder.add(file)
+    left = folder.folder / ".0123abcd.part-small.onnx"
+    for call in (lambda: folder.add(file), lambda: folder.remove("small")):
+        left.write_bytes(b"half of it")
+        call()
+        assert not left.exists()
+
+
 def test_a_network_that_does_not_end_is_refused(folder, file, monkeypatch):
     monkeypatch.setattr(embedding_model, "TRIAL_TIMEOUT_S", 0.2)
     file.write_bytes(speaker_network(last="endless"))
