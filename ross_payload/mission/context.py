@@ -309,6 +309,7 @@ def _obey(context: Context, order: Order) -> None:
             if why := context.refusal(order):
                 context.publish(Answered(context.time, order.number, Answer.REFUSED, why))
                 return
+            context.later.append(order)  # behind the settings that came before it
             raise Ended(Outcome.STOPPED, "another task was commanded", order)
         case Set():
             context.later.append(order)

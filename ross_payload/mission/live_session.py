@@ -242,8 +242,6 @@ class LiveSession:
         if isinstance(order, (Stop, Cancel)):
             self._answer(order, Answer.ACCEPTED)
         yield from self._hop(Output(halt=not self._stopped, stop=self._stopped))
-        if isinstance(order, Task):
-            self._waiting.insert(0, order)  # what came behind it may take it back
         return order if isinstance(order, Shutdown) else None
 
     def _close(self, task: Task, result: Result, state: State) -> None:

@@ -198,6 +198,20 @@ def test_a_setting_holds_from_the_next_task_on(bench):
     assert bench.hops - first > 2 * first
 
 
+@pytest.mark.parametrize("together", [True, False])
+def test_a_setting_holds_for_a_task_that_takes_the_place_of_the_present_one(together):
+    bench = Bench(memory=Memory(estimate()))
+    bench.hop(ListenTo(1, number=1))
+    bench.hops_until(lambda event: isinstance(event, StateChanged) and event.state is State.RUN)
+    orders = Set("EXP_UNIT", 9.0, number=2), Explore(number=3)
+    for each in [orders] if together else [(order,) for order in orders]:
+        bench.hop(*each)
+    first = bench.hops
+    bench.over(3)
+    assert bench.answers(2) == [Answer.ACCEPTED]
+    assert bench.hops - first > 3 * 0.9 * RATE / HOP
+
+
 def test_a_setting_that_is_wrong_is_refused(bench):
     bench.hop(Set("NO_SUCH", 1.0, number=1))
     bench.hop()
