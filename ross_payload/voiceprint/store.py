@@ -6,6 +6,7 @@ import json
 import os
 import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -150,7 +151,8 @@ class VoiceStore:
         path = self.path(name)
         remove_leftovers(self.folder, f"*{SUFFIX}")
         save(voice, path, new=new)
-        self.folder.chmod(0o700)
+        with suppress(OSError):  # somebody else's folder, or a file system without modes; the print has its own
+            self.folder.chmod(0o700)
         return path
 
     def load(self, name: str, model: VoiceModel | None = None) -> EmbeddingPrint:

@@ -53,6 +53,18 @@ def test_only_the_owner_can_read_a_voice_print(model, store, tmp_path):
     assert mode(path.parent) == 0o700
 
 
+def test_a_print_in_a_folder_that_keeps_its_mode_is_kept_all_the_same(model, store, monkeypatch):
+    """As on a FAT stick, or in a folder of somebody else."""
+
+    def refused(path, mode):
+        raise PermissionError(errno.EPERM, "Operation not permitted", str(path))
+
+    monkeypatch.setattr(Path, "chmod", refused)
+    path = store.save("ann", model)
+    assert mode(path) == 0o600
+    assert store.load("ann").seconds == model.seconds
+
+
 def test_nobody_else_can_put_another_folder_in_the_place_of_one_that_is_made(model, tmp_path):
     before = os.umask(0)
     try:
