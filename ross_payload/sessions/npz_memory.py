@@ -99,6 +99,8 @@ def restored_voice(path: Path, used: VoiceModel | None = None) -> EmbeddingPrint
     values = unpacked(path, StoredPrint)
     if values.embedding.shape != (model.size,):
         raise ConfigError(f"{path.name}: damaged: expected {model.size} numbers, got {values.embedding.shape}")
+    if not np.isfinite([values.seconds, values.criterion]).all():
+        raise ConfigError(f"{path.name}: damaged: expected finite numbers")
     return EmbeddingPrint(values.embedding, values.seconds, model, values.criterion)
 
 

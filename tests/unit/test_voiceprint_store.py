@@ -266,3 +266,12 @@ def test_the_print_that_a_session_keeps_is_read_again(model, tmp_path):
     again = restored_voice(tmp_path / "voice.npz")
     assert (again.seconds, again.criterion, again.fingerprint) == (2.5, 0.75, MODEL.fingerprint)
     np.testing.assert_array_equal(again.embedding, model.embedding)
+
+
+@pytest.mark.parametrize("wrong", [{"criterion": "NaN"}, {"seconds": "Infinity"}], ids="-".join)
+def test_the_print_of_a_session_has_finite_numbers(model, tmp_path, wrong):
+    (tmp_path / "voice.npz").write_bytes(packed_voice(model))
+    with np.load(tmp_path / "voice.npz") as arrays:
+        np.savez(tmp_path / "voice.npz", **(dict(arrays) | {name: np.array(text) for name, text in wrong.items()}))
+    with pytest.raises(ConfigError, match=r"voice\.npz: damaged"):
+        restored_voice(tmp_path / "voice.npz")
