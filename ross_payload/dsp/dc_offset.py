@@ -3,26 +3,39 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import binary_opening
 
-from ross_payload.interfaces import Samples
+from ross_payload.interfaces import Marks, Samples
 
 LEAST = 0.1  # of the RMS: the mean of a sound that lasts is smaller
 LASTING_S = 2.0  # of a stream, from which its mean tells; after a half of it the mean has to be twice as large
 AVERAGED_S = 4.0  # time constant of the mean of a stream
+SHORTEST_GAP = 16  # samples that are 0 in every channel: fewer are a soft sound's, so many never came
 
 
 def without_offset(samples: Samples) -> Samples:
-    """Return samples (..., n) less the mean of every channel in which that is an offset.
+    """Return samples (n_channels, n) less the mean of every channel in which that is an offset.
+
+    The zeros in the place of samples that never came stay, and tell nothing of the offset.
 
     >>> without_offset(np.array([[3.0, 5.0], [3.0, -3.0]], np.float32)).tolist()
     [[-1.0, 1.0], [3.0, -3.0]]
     """
-    if not samples.size:
+    came = _came(samples)
+    heard = samples if came.all() else samples[:, came]
+    if not heard.size:
         return samples
-    mean = samples.mean(axis=-1, keepdims=True, dtype=np.float64)
-    power = np.mean(np.square(samples, dtype=np.float64), axis=-1, keepdims=True)
+    mean = heard.mean(axis=-1, keepdims=True, dtype=np.float64)
+    power = np.mean(np.square(heard, dtype=np.float64), axis=-1, keepdims=True)
     offset = np.where(mean**2 > LEAST**2 * power, mean, 0.0)
-    return samples - offset.astype(samples.dtype) if offset.any() else samples
+    return samples - offset.astype(samples.dtype) * came if offset.any() else samples
+
+
+def _came(samples: Samples) -> Marks:
+    """Which samples are not zeros in the place of some that never came, (n,)."""
+    silent: Marks = np.asarray(~samples.any(axis=0))
+    gaps = binary_opening(silent, np.ones(SHORTEST_GAP, bool)) if silent.any() else silent
+    return np.logical_not(gaps)
 
 
 class OffsetFilter:

@@ -25,6 +25,32 @@ def test_an_offset_makes_no_click_at_the_ends_of_a_period(offset: float) -> None
     assert clicks[:, 10:].mean() > 2 * quiet[:, 10:].mean()
 
 
+@pytest.mark.parametrize(("begin", "end"), [(20000, 36000), (0, 16000), (47000, 48000)])
+def test_samples_that_never_came_stay_zeros_and_hide_no_offset(begin: int, end: int) -> None:
+    """Less the mean of zeros and the rest they would be a step at both edges of the gap: a talker who is not there."""
+    noise = 1e-2 * np.random.default_rng(5).standard_normal((2, 48000)).astype(np.float32)
+    heard = noise + np.array([[0.05], [0.02]], np.float32)
+    heard[:, begin:end] = 0
+    left = without_offset(heard)
+    assert not left[:, begin:end].any()
+    came = np.r_[0:begin, end:48000]
+    assert left[:, came] == pytest.approx(noise[:, came], abs=2e-4)
+
+
+def test_what_came_of_a_period_does_not_pass_for_an_offset_because_the_rest_is_missing() -> None:
+    noise = 1e-2 * np.random.default_rng(6).standard_normal((2, 48000)).astype(np.float32)
+    noise[:, 8000:] = 0
+    assert without_offset(noise) is noise
+
+
+def test_zeros_of_a_soft_sound_are_sound() -> None:
+    """Half of the samples of the least level that 16 bits have are 0, at both microphones at once here and there."""
+    counts = np.random.default_rng(7).integers(0, 2, (2, 16000)) * 2.0**-15
+    left = without_offset(counts.astype(np.float32))
+    assert left.mean() == pytest.approx(0, abs=1e-9)
+    assert left.std() == pytest.approx(counts.std(), rel=1e-3)
+
+
 def passed(sound: np.ndarray, hop: int = 160) -> np.ndarray:
     offset_filter = OffsetFilter(16000, len(sound))
     return np.concatenate([offset_filter.push(sound[:, i : i + hop]) for i in range(0, sound.shape[1], hop)], axis=1)
