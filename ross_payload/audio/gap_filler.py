@@ -3,7 +3,7 @@
 Drivers do not tell of gaps: a callback that was blocked raises no flag. They are found by counting frames against the
 Clock. A piece that arrives late is held back until it is clear what it is: when later ones catch up, something on the
 way was late and nothing is missing; when none is less late than those before for 0.3 s, the earliest tells how much is
-missing before the first.
+missing before the first. Of what comes faster than it can be heard as much is left out, or time would run ahead.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from ross_payload.interfaces import Samples
 LATE_S = 0.040  # [s] behind the Clock: held back
 CAUGHT_UP_S = 0.020  # [s] behind the Clock: nothing is missing
 EARLY_S = 0.040  # [s] before it can have been heard: zeros stand for more than was missing
+AHEAD_S = 0.5  # [s] before it can have been heard: what arrives is no sound in real time at this rate
 DECISION_TIMEOUT_S = 0.3  # [s] until what does not catch up is a gap
 CATCH_UP_S = 0.03  # [s] that later pieces are less late, within that time
 HOLD_TIMEOUT_S = 1.5  # [s] that anything is held back
@@ -36,6 +37,7 @@ class Stretch:
     samples: Samples  # (2, n)
     time: float  # of the first, on the Clock [s]
     missing: int  # samples that never came, zeros in their place
+    spliced: bool = False  # whether samples that came too fast were left out within, or right before
 
 
 class GapFiller:
@@ -58,12 +60,13 @@ class GapFiller:
         self._best = math.inf  # how late those held were when patience began [s]
         self._since = -math.inf  # when patience began [s]
         self._expected = 0  # frames offered so far
-        self._ready: deque[Samples | int] = deque()  # samples, or how many zeros
+        self._ready: deque[Samples | int] = deque()  # samples, or how many zeros; none: where samples were left out
         self._index = 0  # of the next sample to give
         self._end = 0  # behind all that is ready
         self._owed = 0  # zeros given in advance while nothing came
         self._guessed = 0  # zeros for what may still come, however late
         self.missing = 0  # samples that never came, since the start
+        self.left_out = 0  # samples that came faster than they can be heard, since the start
 
     @property
     def started(self) -> bool:
@@ -96,7 +99,11 @@ class GapFiller:
             given = min(refused, self._owed)
             self._owed -= given
             self._guessed -= given
-            self._zeros(refused - given)
+            size = piece.samples.shape[1]
+            room = round((piece.arrived + AHEAD_S - self._clock.ahead(self._end)) * self._rate) - size
+            replaced = min(refused - given, max(room, 0))
+            self._zeros(replaced)
+            self._leave_out(refused - given - replaced)
         self._hold(piece, self._clock)
         in_time = self._earliest < (LATE_S if len(self._held) == 1 else CAUGHT_UP_S)
         patient = (
@@ -127,10 +134,11 @@ class GapFiller:
         if self._clock is None or self.available < n:
             raise ValueError(f"expected a request for at most {self.available} samples, got {n}")
         samples, missing = np.zeros((2, n), np.float32), 0
-        done = 0
+        done, spliced = 0, False
         while done < n:
             head = self._ready.popleft()
             size = head if isinstance(head, int) else head.shape[1]
+            spliced = spliced or size == 0
             used = min(size, n - done)
             if isinstance(head, int):
                 missing += used
@@ -141,7 +149,7 @@ class GapFiller:
             done += used
         time = self._clock.time(self._index)
         self._index += n
-        return Stretch(samples, time, missing)
+        return Stretch(samples, time, missing, spliced)
 
     def _warm_up(self, piece: Piece) -> None:
         self._held.append(piece)
@@ -173,11 +181,14 @@ class GapFiller:
             clock.coast(self._end)
         self._guess(gap - self._owed)
         early = round(-self._earliest * self._rate) if self._earliest < -EARLY_S else 0
-        surplus = max(self._owed - gap, 0) + min(early, self._guessed)
+        too_fast = self._earliest < -AHEAD_S
+        surplus = max(self._owed - gap, 0) + (early if too_fast else min(early, self._guessed))
         for piece in self._held:
             cut = min(surplus, piece.samples.shape[1])
             surplus -= cut
-            self._guessed -= cut
+            taken_back = min(cut, self._guessed)
+            self._guessed -= taken_back
+            self._leave_out(cut - taken_back)
             self._append(piece.samples[:, cut:])
         if len(self._held) == 1:
             clock.observe(self._end, self._held[0].arrived)
@@ -190,6 +201,11 @@ class GapFiller:
         if samples.shape[1]:
             self._ready.append(samples)
             self._end += samples.shape[1]
+
+    def _leave_out(self, n: int) -> None:
+        if n > 0:
+            self._ready.append(0)
+            self.left_out += n
 
     def _guess(self, n: int) -> None:
         self._guessed += max(n, 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, Self, runtime_checkable
@@ -16,6 +17,7 @@ from ross_payload.interfaces import AudioBlock, AudioFlag, Clock, Real
 FIRST_SOUND_TIMEOUT_S = 5.0  # [s] after the opening within which something must be heard
 SHORTEST_NAP, LONGEST_NAP = 0.001, 0.02  # [s] between two looks into the ring
 
+log = logging.getLogger(__name__)
 OnSamples = Callable[[Real], None]  # takes frames (n, n_channels); never waits
 Opener = Callable[[OnSamples], Feed]
 
@@ -24,7 +26,7 @@ Opener = Callable[[OnSamples], Feed]
 class SourceStatus:
     """A source at one moment."""
 
-    lost: int = 0  # samples that never came, zeros in their place, since it was opened
+    lost: int = 0  # samples that never came, or came too fast and were left out, since it was opened
     reopened: int = 0  # times since it was opened
     waiting: float = 0.0  # audio heard but not yet read [s]
     rate: float | None = None  # measured against the Clock [Hz]
@@ -43,7 +45,8 @@ class LiveSource:
     """An AudioSource in real time.
 
     Samples are consecutive and in step with the Clock: what never came is zeros, flagged MISSING, counted in
-    `status`. Since nothing is left out, ``AudioBlock.lost`` is always 0. While the feed is gone, reads deliver such
+    `status`. What comes faster than it can be heard is left out, flagged and counted alike. Since counting samples is
+    counting time, ``AudioBlock.lost`` is always 0. While the feed is gone, reads deliver such
     zeros in real time and it is opened again.
 
     Parameters
@@ -112,7 +115,7 @@ class LiveSource:
                 self._clock.sleep(min(max(short / self._rate, SHORTEST_NAP), LONGEST_NAP))
         stretch = self._gap_filler.read(n)
         wired = self._channels.apply(stretch.samples)
-        flags = wired.flags | (AudioFlag.MISSING if stretch.missing else AudioFlag.NONE)
+        flags = wired.flags | (AudioFlag.MISSING if stretch.missing or stretch.spliced else AudioFlag.NONE)
         index, self._index = self._index, self._index + n
         return AudioBlock(wired.samples, index, stretch.time, flags=flags, raw=wired.raw)
 
@@ -120,7 +123,7 @@ class LiveSource:
         """How the source is; from any thread."""
         waiting = self._ring.waiting + self._gap_filler.held + self._gap_filler.available
         return SourceStatus(
-            lost=self._gap_filler.missing,
+            lost=self._gap_filler.missing + self._gap_filler.left_out,
             reopened=self._feed.reopened,
             waiting=waiting / self._rate,
             rate=self._gap_filler.rate,
@@ -165,7 +168,10 @@ class LiveSource:
             piece = self._ring.read()
             if piece is None:
                 break
+            before = self._gap_filler.left_out
             self._gap_filler.add(piece)
+            if self._gap_filler.left_out > before == 0:
+                log.warning("audio comes faster than audio.rate_hz = %d and real time: parts are left out", self._rate)
         return self._gap_filler.available
 
     def _on_samples(self, frames: Real) -> None:

@@ -86,10 +86,13 @@ class SampleClock:
     def _correct(self, end: int) -> None:
         error = self._earliest
         self._drift += INTEGRAL * max(-LATE_START_S, min(error, LATE_START_S)) / WINDOW_S
-        slew = max(-FASTEST, min(self._drift + PROPORTIONAL * error / WINDOW_S, FASTEST))
+        wanted = self._drift + PROPORTIONAL * error / WINDOW_S
+        slew = max(-FASTEST, min(wanted, FASTEST))
         self._lines.append(_Line(end, self.ahead(end), (1 + slew) / self._rate))
         self._earliest = math.inf
         self._windows += 1
+        if slew != wanted:  # time does not follow: its rate is not that of the samples
+            self._measured, self._windows = None, 0
         if self._windows == SETTLING:
             self._origin = (end, self._lines[-1].time)
 

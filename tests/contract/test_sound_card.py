@@ -106,6 +106,51 @@ def test_a_stall_of_which_the_driver_keeps_everything_loses_nothing(listen, make
     assert np.abs(errors(blocks, card)).max() < NEAR
 
 
+@pytest.mark.parametrize("speed", [1.02, 3.0, *in_soak(1.1)])
+def test_time_does_not_run_ahead_of_a_feed_that_is_too_fast(listen, make_card, moments, caplog, speed):
+    """As of a file that a server sends without a pause, or of 48 kHz that are called 16."""
+    card = make_card(ppm=(speed - 1) * 1e6)
+    began = moments.now()
+    with listen(card) as source:
+        blocks = read(source, 60)
+        assert abs(blocks[-1].time - moments.now()) < 0.55
+        status, elapsed = source.status(), moments.now() - began
+    assert 57.5 < elapsed < 60, "a second of the beginning, half a second ahead, and 1 % as fast as time may be"
+    assert status.lost == pytest.approx((speed * elapsed - 60) * RATE, abs=0.1 * RATE)
+    assert any(block.flags & AudioFlag.MISSING for block in blocks), "it is told where parts are left out"
+    assert status.rate is None, "the rate that time follows is not that of the samples"
+    assert sum("faster than audio.rate_hz = 16000" in record.message for record in caplog.records) == 1
+
+
+class Flood:
+    """Gives a second of sound, then a minute of it every tenth of a second: more than there is room for."""
+
+    alive = True
+
+    def __init__(self, on_samples, clock):
+        def pour():
+            for _ in range(600):
+                on_samples(np.full((10 * HOP, 2), 0.25, np.float32))
+            clock.at(clock.now() + 0.1, pour)
+
+        for step in range(1, 101):
+            clock.at(clock.now() + step / 100, lambda: on_samples(np.full((HOP, 2), 0.25, np.float32)))
+        clock.at(clock.now() + 1.01, pour)
+
+    def close(self):
+        pass
+
+
+def test_what_has_no_room_because_it_comes_too_fast_does_not_move_time(moments):
+    source = LiveSource(lambda on_samples: Flood(on_samples, moments), RATE, ChannelMap.of(Audio()), 10.0, moments)
+    with source:
+        begin = moments.now()
+        blocks = read(source, 10)
+        assert moments.now() - begin == pytest.approx(10, abs=1.2)
+        assert blocks[-1].time - moments.now() < 0.55
+        assert source.status().lost > 0
+
+
 def test_a_gap_does_not_spoil_the_measured_rate(listen, make_card, moments):
     card = make_card(ppm=100)
     with listen(card) as source:
