@@ -22,6 +22,7 @@ LEVELS, DEAD, LONG, GONE = 10, 20, 30, 5  # judgements that a verdict looks back
 LOSS_REPORTED_S = 10.0  # [s]
 FLOOR_DB = -120.0
 FAR_LESS_DB = 30.0  # between a dead microphone and the other; talkers and rooms make a few
+ABOVE = 400.0  # [Hz] where they are compared: below it hum and wind may be far louder at one of them
 QUIET_DB = -80.0  # below it two channels may be alike by rounding
 ALIKE = 1e-6  # share of power in which two channels of one microphone may differ: every microphone has its own noise
 OFFSET, STEADY = 3e-3, 3.0  # a constant part, re full scale, and re how the means of tenths of a second vary
@@ -39,6 +40,7 @@ class Tenth:
     power: Real  # without the mean
     peak: Real
     constant: Real  # bool: every sample is the same
+    high: Real  # power above a few hundred hertz
     product: float  # mean of the product of both, without their means
     low: Real  # power below a few hundred hertz
     low_product: float  # real part of their cross spectrum there
@@ -64,6 +66,7 @@ class HealthMonitor:
         highest = min(HIGHEST, PHASE * array.speed_of_sound_m_s / (2 * math.pi * array.spacing_m))
         frequencies = np.fft.rfftfreq(self._size, 1 / rate)
         self._bins = (frequencies >= LOWEST) & (frequencies <= highest)
+        self._high = frequencies >= ABOVE
         self._window = np.hanning(self._size)
         self._blocks: list[AudioBlock] = []
         self._tenths: deque[Tenth] = deque(maxlen=LONG)
@@ -107,13 +110,15 @@ class HealthMonitor:
         samples = np.concatenate([block.samples for block in self._blocks], axis=1, dtype=np.float64)
         mean = samples.mean(axis=1)
         moving = samples - mean[:, None]
-        spectrum = np.fft.rfft(moving[:, : self._size] * self._window)[:, self._bins]
+        whole = np.fft.rfft(moving[:, : self._size] * self._window)
+        spectrum = whole[:, self._bins]
         flags = [block.flags for block in self._blocks]
         return Tenth(
             mean=mean,
             power=np.mean(moving**2, axis=1),
             peak=np.abs(samples).max(axis=1),
             constant=np.ptp(samples, axis=1) == 0,
+            high=np.sum(np.abs(whole[:, self._high]) ** 2, axis=1),
             product=float(np.mean(moving[0] * moving[1])),
             low=np.sum(np.abs(spectrum) ** 2, axis=1),
             low_product=float(np.sum((spectrum[0] * spectrum[1].conj()).real)),
@@ -149,7 +154,7 @@ def _dead(tenths: list[Tenth]) -> AudioTrouble:
     if len(tenths) < DEAD:
         return AudioTrouble.NONE
     silent = np.all([tenth.constant for tenth in tenths], axis=0)
-    power = np.array([tenth.power for tenth in tenths]) + 1e-30
+    power = np.array([tenth.high for tenth in tenths]) + 1e-30
     louder = float(np.median(10 * np.log10(power[:, 0] / power[:, 1])))
     trouble = AudioTrouble.NONE
     if silent[0] or (louder < -FAR_LESS_DB and not silent[1]):

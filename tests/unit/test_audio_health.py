@@ -93,6 +93,15 @@ def test_a_knock_on_one_microphone_does_not_kill_the_other():
         assert not monitor.health().trouble & (AudioTrouble.DEAD_1 | AudioTrouble.DEAD_2)
 
 
+def test_hum_at_one_microphone_does_not_kill_the_other():
+    samples = scene(azimuths=())
+    samples[1] += 0.2 * np.sin(2 * np.pi * 50 * np.arange(samples.shape[1]) / RATE)
+    monitor = HealthMonitor(Config())
+    for block in blocks(samples):
+        monitor.listen(block)
+        assert not monitor.health().trouble & (AudioTrouble.DEAD_1 | AudioTrouble.DEAD_2)
+
+
 @pytest.mark.parametrize("offset", [0.02, -0.02])
 def test_a_constant_part_is_told(offset):
     samples = scene()
