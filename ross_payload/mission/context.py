@@ -36,6 +36,7 @@ from ross_payload.interfaces import (
 )
 from ross_payload.localization.joint_in_noise import Learnt
 from ross_payload.mission.heading_control import Follower
+from ross_payload.mission.hearing import Hearing
 from ross_payload.mission.settings import Settings, Tools
 from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mission.voice_evidence import Evidence
@@ -99,6 +100,7 @@ class Context:
     settings: Settings
     tools: Tools
     samples: int = 0  # heard so far
+    hearing: Hearing = field(default_factory=Hearing)  # whether it was sound
     refusal: Callable[[Task], str] = never  # why a task that would take the place of this one cannot be begun
     last: Input | None = None
     lead_in: Samples | None = None  # (2, n), quiet or not
@@ -258,6 +260,7 @@ def exchange(context: Context, wish: Output = NOTHING) -> Step[Input]:
     heard = yield wish
     context.last = heard
     context.samples += heard.block.samples.shape[1]
+    context.hearing.add(heard.block.samples, context.settings.rate)
     return heard
 
 

@@ -65,13 +65,21 @@ def attempts(context: Context, informed: Estimate | None, target: int | None) ->
         if held:
             return Result(Outcome.TARGET_FOUND, f"source {source} is the target")
         if source is None and (informed is None or not left):
-            return Result(Outcome.NO_TARGET, why)
+            return _no_target(context, why)
         if source is not None:
             dropped += 1
         if informed is not None and left:
             context.publish(Doubted(context.time, why))
         informed = target = None
-    return Result(Outcome.NO_TARGET, f"gave up after {dropped} attempts: {why}")
+    return _no_target(context, f"gave up after {dropped} attempts: {why}")
+
+
+def _no_target(context: Context, why: str) -> Result:
+    """Say that the target was not found, unless nobody would have been."""
+    fault = context.hearing.fault()
+    if fault:
+        return Result(Outcome.FAULT, f"cannot tell whether the target is there: {fault}")
+    return Result(Outcome.NO_TARGET, why)
 
 
 def _attempt(

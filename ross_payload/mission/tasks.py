@@ -126,6 +126,8 @@ def perform(context: Context, memory: Memory, task: orders.Task) -> Step[Result]
 def _explore(context: Context) -> Step[Result]:
     yield from _quiet(context)
     estimate, _ = yield from survey(context)
+    if not estimate.k and (fault := context.hearing.fault()):
+        return Result(Outcome.FAULT, f"cannot tell whether anybody is there: {fault}")
     return Result(Outcome.COMPLETED, f"{estimate.k} sources found")
 
 

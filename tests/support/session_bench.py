@@ -87,6 +87,7 @@ class Bench:
         self.stopped = self.homed = False
         self.fault = self.lasting = ""  # one that homing clears, and one that it does not
         self.known = False
+        self.factors = np.ones((2, 1), np.float32)  # of what both microphones give
         self.events, self.goals = [], []
         self.output = next(self.brain)
         self.result = None
@@ -112,7 +113,7 @@ class Bench:
         if not self.moving:
             self.joint = self.goal
         samples = np.tile(np.float32([0.1, -0.1]), (2, HOP // 2))
-        block = AudioBlock(samples, self.hops * HOP, self.hops * HOP / RATE)
+        block = AudioBlock(samples * self.factors, self.hops * HOP, self.hops * HOP / RATE)
         self.hops += 1
         heard = Input(
             block,

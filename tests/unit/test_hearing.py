@@ -1,0 +1,77 @@
+"""Nobody is said to be absent whom the microphones could not have given."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mission_bench import HOP, RATE, SETTINGS, ThreeTalkers, rig
+from ross_payload.events import Answer, Finished, Outcome, State
+from ross_payload.mission.hearing import Hearing
+from ross_payload.orders import Explore
+from session_bench import Bench, make
+
+SILENT, DEAD = np.array([[0], [0]], np.float32), np.array([[1], [1e-3]], np.float32)
+
+
+def spoilt(factors, begin=0.0, end=1e9):
+    """Multiply what both microphones give from one time to another [s]."""
+
+    def on_hop(_, heard):
+        time = heard.block.index / RATE
+        if begin <= time < end:
+            return replace(heard, block=replace(heard.block, samples=heard.block.samples * factors))
+        return heard
+
+    return on_hop
+
+
+@pytest.mark.parametrize(
+    ("factors", "why"),
+    [(SILENT, "no audio came for 100 % of the time"), (DEAD, "microphone 2 was dead for 100 % of the time")],
+)
+@pytest.mark.parametrize("explorer", [ThreeTalkers(azimuths=()), ThreeTalkers()])
+def test_who_was_not_heard_is_not_said_to_be_absent(factors, why, explorer):
+    result = rig(likes=7, explorer=explorer).run(spoilt(factors))
+    assert result.outcome is Outcome.FAULT
+    assert result.reason == f"cannot tell whether the target is there: {why}"
+
+
+def test_microphones_that_were_pulled_out_before_the_end_are_no_finding_either():
+    patient = replace(SETTINGS, unit=3.5)
+    whole = rig(likes=7, settings=patient)
+    assert whole.run().outcome is Outcome.NO_TARGET
+    end = whole.hops * HOP / RATE
+    result = rig(likes=7, settings=patient).run(spoilt(SILENT, end - 2.2))
+    assert result.outcome is Outcome.FAULT
+    assert result.reason == "cannot tell whether the target is there: no audio came for the last 2 s"
+
+
+def test_gaps_and_knocks_are_no_reason_to_doubt():
+    assert rig(likes=7).run(spoilt(SILENT, 1.0, 1.5)).outcome is Outcome.NO_TARGET
+    assert rig(likes=7).run(spoilt(DEAD, 1.0, 1.5)).outcome is Outcome.NO_TARGET
+
+
+@pytest.mark.parametrize(("factors", "outcome"), [(DEAD, Outcome.FAULT), (DEAD * 0 + 1, Outcome.COMPLETED)])
+def test_an_exploration_that_heard_nothing_does_not_say_that_nobody_is_there(factors, outcome):
+    def make_deaf(config):
+        kit = make(config)
+        return replace(kit, tools=replace(kit.tools, explorer=ThreeTalkers(azimuths=())))
+
+    bench = Bench(make=make_deaf)
+    bench.factors = factors
+    bench.hop(Explore(number=1))
+    said = bench.over(1)
+    assert said.answer is (Answer.FAILED if outcome is Outcome.FAULT else Answer.DONE)
+    assert [event.outcome for event in bench.events if isinstance(event, Finished)] == [outcome]
+    assert bench.state() is State.DONE, "nothing has to be re-armed"
+    assert ("microphone 2 was dead" in said.reason) is (outcome is Outcome.FAULT)
+
+
+def test_hum_and_wind_at_one_microphone_do_not_kill_the_other():
+    hearing, rate, generator = Hearing(), 16000, np.random.default_rng(2)
+    noise = 1e-3 * generator.standard_normal((2, 160 * 300))
+    noise[1] += 0.3 * np.sin(2 * np.pi * 50 / rate * np.arange(160 * 300)) + 0.2
+    for hop in np.split(noise.astype(np.float32), 300, axis=1):
+        hearing.add(hop, rate)
+    assert hearing.fault() == ""
