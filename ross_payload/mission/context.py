@@ -77,6 +77,7 @@ class Listening:
     headings: Real | None = None  # in the middle of every hop where they were not all one [rad], (n_hops,)
     aboard: float = 0.0  # the mean heading in the frame of the vehicle [rad]
     rotor_speeds: Real | None = None  # at the beginning of every hop [1/s], (n_hops, n_rotors); None: not known
+    damaged: bool = False  # so much of it was clipped or missing that it does not tell how clean a voice is
     around: tuple[Samples, Samples] | None = None  # heard right before and after while the array turned, (2, m) each
 
     def speeds(self, begin: int, end: int) -> Real | None:

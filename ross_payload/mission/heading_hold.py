@@ -14,7 +14,7 @@ import numpy as np
 from ross_payload.angles import circular_mean, difference, wrap
 from ross_payload.dsp.dc_offset import without_offset
 from ross_payload.events import AlignmentCandidate, State, TurnStarted
-from ross_payload.interfaces import Input, Samples
+from ross_payload.interfaces import AudioFlag, Input, Samples
 from ross_payload.mission.context import Context, Listening, Step, hop, speeds_by_hop
 from ross_payload.mission.heading_control import STILL, Follower
 from ross_payload.pointing import nearest_joint, nearest_limit
@@ -24,6 +24,7 @@ TURN_TIMEOUT_S = 20.0  # [s] that a turn may take on a vehicle that does not let
 OTHER_END = "near a limit: turning to the other end of the axis"
 REALIGNED = "sources have moved"
 LOOKING = "looking whether anybody has moved"
+MOST_CLIPPED, MOST_MISSING = 0.1, 0.02  # of a period's hops: with more a voice is 3 dB less clean than is expected
 MOST_BACK = 3  # times that one listening period begins again
 
 
@@ -119,6 +120,8 @@ class _Period:
     aboard: list[float] = field(default_factory=list)  # at the end of every hop, frame of the vehicle [rad]
     speeds: list[tuple[float, ...]] = field(default_factory=list)  # of the rotors at the beginning of every hop [1/s]
     samples: int = 0
+    clipped: int = 0  # hops
+    missing: int = 0  # hops
 
     def add(self, hop: Input) -> None:
         self.blocks.append(hop.block.samples)
@@ -127,15 +130,17 @@ class _Period:
         self.aboard.append(hop.pointing.heading - hop.pointing.base)
         self.speeds.append(hop.attitude.rotor_speeds)
         self.samples += hop.block.samples.shape[1]
+        self.clipped += AudioFlag.CLIPPED in hop.block.flags
+        self.missing += AudioFlag.MISSING in hop.block.flags
 
     def listening(self) -> Listening:
         """All of it, at the mean heading; at the heading itself when nothing has turned."""
         samples = without_offset(np.concatenate(self.blocks, axis=1))
+        n = len(self.blocks)
+        damaged = self.clipped > MOST_CLIPPED * n or self.missing > MOST_MISSING * n
+        aboard, speeds = circular_mean(self.aboard), speeds_by_hop(self.speeds)
         if np.abs(difference(self.headings, self.last)).max() <= STILL:
-            return Listening(
-                self.last, samples, aboard=circular_mean(self.aboard), rotor_speeds=speeds_by_hop(self.speeds)
-            )
+            return Listening(self.last, samples, aboard=aboard, rotor_speeds=speeds, damaged=damaged)
         mean = circular_mean(self.headings)
         spread = float(np.abs(difference(self.headings, mean)).max())
-        aboard, speeds = circular_mean(self.aboard), speeds_by_hop(self.speeds)
-        return Listening(mean, samples, spread, np.array(self.headings), aboard, speeds)
+        return Listening(mean, samples, spread, np.array(self.headings), aboard, speeds, damaged)

@@ -57,8 +57,9 @@ class Hearing:
 
     def fault(self) -> str:
         """Return why nobody would have been heard, in words; empty when there is no reason."""
-        kinds = ("no audio came", self.missing), *(
-            (f"microphone {number} was dead", dead) for number, dead in enumerate(self.dead, start=1)
+        kinds = (
+            ("no audio came", self.missing),
+            *((f"microphone {number} was dead", dead) for number, dead in enumerate(self.dead, start=1)),
         )
         for what, without in kinds:
             if without.hops > SHARE * self.hops:

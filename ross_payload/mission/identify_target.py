@@ -30,6 +30,7 @@ class Identification:
     voices: Real  # (n_groups, n_samples), float32
     compared: tuple[Clip, ...]  # what of every voice is compared with the print
     scores: tuple[GroupScore, ...] = ()
+    damaged: bool = False  # as of `Listening`
 
     @property
     def best(self) -> int | None:
@@ -90,7 +91,8 @@ def recognise(
 
     One that does not keeps the score that it had.
     """
-    return judged(context, estimate, listening.heading, separate(context, estimate, listening), evidence)
+    separated = separate(context, estimate, listening)
+    return judged(context, estimate, listening.heading, separated, evidence, damaged=listening.damaged)
 
 
 def judged(
@@ -99,10 +101,16 @@ def judged(
     heading: float,
     separated: tuple[Groups, Real],
     evidence: Evidence | None = None,
+    *,
+    damaged: bool = False,
 ) -> Identification:
-    """Score what was separated at a heading [rad] as `recognise` says; the ``evidence`` hears it, too."""
+    """Score what was separated at a heading [rad] as `recognise` says; the ``evidence`` hears it, too.
+
+    Of a period that is ``damaged`` it is not told how clean the voices are.
+    """
     groups, voices = separated
-    found = Identification(groups, voices, tuple(dominant(voices, groups.quality, context.settings.rate)))
+    compared = tuple(dominant(voices, groups.quality, context.settings.rate))
+    found = Identification(groups, voices, compared, damaged=damaged)
     if evidence is not None:
         clear = set(np.flatnonzero(_clear(context, estimate, heading)).tolist())
         heard, seconds = lone_voices(groups, found.compared), voices.shape[1] / context.settings.rate
@@ -117,13 +125,14 @@ def scored(context: Context, found: Identification, evidence: Evidence | None = 
     for group, (members, voice) in enumerate(zip(found.groups.members, found.compared, strict=True)):
         value = evidence.scores.get(members[0]) if evidence is not None and len(members) == 1 else None
         value = _no_evidence(context).alone(voice) if value is None else value
-        scores.append(_scored(context, found.groups, group, value))
+        scores.append(_scored(context, found, group, value))
     return replace(found, scores=tuple(scores))
 
 
-def _scored(context: Context, groups: Groups, group: int, value: float) -> GroupScore:
+def _scored(context: Context, found: Identification, group: int, value: float) -> GroupScore:
+    groups = found.groups
     accepted = value > context.settings.criterion and context.tools.voiceprint is not None
-    if not groups.quality:
+    if not groups.quality or found.damaged:
         return GroupScore(groups.members[group], value, accepted)
     quality = groups.quality[group]
     return GroupScore(groups.members[group], value, accepted, quality.si_sdr, quality.si_sdri)

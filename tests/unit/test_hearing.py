@@ -1,12 +1,13 @@
-"""Nobody is said to be absent whom the microphones could not have given."""
+"""Nobody is said to be absent whom the microphones could not have given, and no voice clean that they have spoilt."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from mission_bench import HOP, RATE, SETTINGS, ThreeTalkers, rig
-from ross_payload.events import Answer, Finished, Outcome, State
+from mission_bench import HOP, RATE, SETTINGS, OneGroupEach, ThreeTalkers, rig
+from ross_payload.events import Answer, Checked, Finished, Outcome, Separated, State
+from ross_payload.interfaces import AudioFlag, Quality
 from ross_payload.mission.hearing import Hearing
 from ross_payload.orders import Explore
 from session_bench import Bench, make
@@ -66,6 +67,35 @@ def test_an_exploration_that_heard_nothing_does_not_say_that_nobody_is_there(fac
     assert [event.outcome for event in bench.events if isinstance(event, Finished)] == [outcome]
     assert bench.state() is State.DONE, "nothing has to be re-armed"
     assert ("microphone 2 was dead" in said.reason) is (outcome is Outcome.FAULT)
+
+
+class Expecting(OneGroupEach):
+    """A separator that expects 9 dB of everybody."""
+
+    def batch(self, spectrogram, scene):
+        groups = super().batch(spectrogram, scene)
+        return replace(groups, quality=(Quality(9.0, 7.0),) * len(groups.members))
+
+
+@pytest.mark.parametrize(
+    ("flag", "every", "told"),
+    [
+        (AudioFlag.CLIPPED, 5, None),
+        (AudioFlag.CLIPPED, 20, 9.0),
+        (AudioFlag.MISSING, 20, None),
+        (AudioFlag.MISSING, 100, 9.0),
+        (AudioFlag.NONE, 1, 9.0),
+    ],
+)
+def test_how_clean_a_voice_is_is_not_told_where_much_of_it_is_clipped_or_missing(flag, every, told):
+    def on_hop(bench, heard):
+        return replace(heard, block=replace(heard.block, flags=AudioFlag.NONE if bench.hops % every else flag))
+
+    bench = rig(separator=Expecting())
+    bench.run(on_hop)
+    scores = bench.said(Separated)[-1].groups
+    assert [score.si_sdr for score in scores] == [told] * len(scores)
+    assert {score.si_sdr for event in bench.said(Checked) for score in event.groups} <= {told, None}
 
 
 def test_hum_and_wind_at_one_microphone_do_not_kill_the_other():
