@@ -85,7 +85,7 @@ class HealthMonitor:
     def listen(self, block: AudioBlock) -> None:
         """Take the next block."""
         self._lost += block.lost
-        if block.lost or block.flags & AudioFlag.MISSING:
+        if block.lost or block.flags & (AudioFlag.MISSING | AudioFlag.INVALID):
             self._lost_at = block.time
         self._blocks.append(block)
         if sum(each.samples.shape[1] for each in self._blocks) >= self._size:

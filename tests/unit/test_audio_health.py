@@ -149,6 +149,17 @@ def test_missing_samples_are_told_for_ten_seconds_and_a_source_that_is_gone_is_a
     assert not monitor.health().trouble
 
 
+def test_samples_that_are_no_numbers_are_lost():
+    monitor = HealthMonitor(Config())
+    sound = list(blocks(scene(4.0)))
+    for block in sound[:200]:
+        monitor.listen(block)
+    assert not monitor.health().trouble
+    for block in sound[200:]:
+        monitor.listen(replace(block, flags=AudioFlag.INVALID))
+    assert monitor.health().trouble == AudioTrouble.LOST
+
+
 def test_what_the_source_tells_is_passed_on():
     class Source:
         def status(self):
