@@ -237,6 +237,8 @@ class ArrayContradicted(Event):
     configured: float  # spacing [m]
     gain_db: float | None  # of microphone 2 over microphone 1
     inverted: bool  # the microphones have opposite polarity
+    delay: float | None = None  # of microphone 2 before microphone 1, whatever the heading, roughly [s]
+    fixed: bool = False  # what was heard has the same delay at all headings, as interference has
 
 
 @dataclass(frozen=True, slots=True)

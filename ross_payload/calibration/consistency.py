@@ -1,4 +1,4 @@
-"""Whether what an exploration heard contradicts what is configured of the array: spacing, gain, polarity.
+"""Whether what an exploration heard contradicts what is configured of the array: spacing, gain, polarity, no delay.
 
 Several people talk, nobody knows where, and the turn serves another end. So less is told than by a calibration: only
 what cannot be explained by rooms, elevations and pauses.
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ross_payload.calibration.common_delay import common_delay
 from ross_payload.calibration.cross_spectrum import HeadingSpectrum
 from ross_payload.calibration.turn_fit import AZIMUTHS, Steered, Turn
 from ross_payload.interfaces import Real
@@ -24,6 +25,8 @@ SURE = 4.0  # standard deviations
 RATIOS = np.arange(0.4, 2.51, 0.05)  # spacing that is tried, over the configured one
 WIDE, NARROW = 1.15, 0.75  # ratios beyond which the configured spacing is wrong
 LEFT = 1.3  # times as much must the configured spacing leave unexplained
+LEFT_TOGETHER = 1.2  # times as much must several sources leave without a delay between the channels
+EXPLAINED = 0.05  # of what was heard must that delay explain besides
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,10 +36,12 @@ class Contradiction:
     spacing: float | None = None  # that explains more [m]
     gain_db: float | None = None  # of microphone 2 over microphone 1
     inverted: bool = False
+    delay: float | None = None  # of microphone 2 before microphone 1, whatever the heading [s]
+    fixed: bool = False  # what was heard has the same delay at all headings: it turns with the array
 
     def __bool__(self) -> bool:
         """Whether anything is wrong."""
-        return self.inverted or self.spacing is not None or self.gain_db is not None
+        return self != Contradiction()
 
 
 def contradiction(
@@ -44,16 +49,19 @@ def contradiction(
 ) -> Contradiction:
     """Compare what was heard at the headings of an exploration with the configured spacing [m].
 
-    Sources far above or below the array shorten all delays. Unless they are about ``level`` with it, a spacing that
-    seems too small is not taken for wrong.
+    Sources far above or below the array shorten all delays, or have none. Unless they are about ``level`` with it, a
+    spacing that seems too small is not taken for wrong, nor are delays that do not change or that all have in common.
     """
     if len(spectra) < FEWEST:
         return Contradiction()
     turn = Turn.of(spectra)
     if _inverted(turn, spacing, speed_of_sound):  # nothing else can be told
         return Contradiction(inverted=True)
+    if level and _fixed(turn, spacing / speed_of_sound):
+        return Contradiction(gain_db=_gain(turn), fixed=True)
     found = _spacing(turn, spacing, speed_of_sound)
-    return Contradiction(found if found is None or level or found > spacing else None, _gain(turn))
+    delay = _delay(turn, spacing / speed_of_sound) if level and found is None else None
+    return Contradiction(found if found is None or level or found > spacing else None, _gain(turn), delay=delay)
 
 
 def _inverted(turn: Turn, spacing: float, speed_of_sound: float) -> bool:
@@ -72,6 +80,18 @@ def _gain(turn: Turn) -> float | None:
     levels = (turn.weight * turn.level_db).sum(axis=1) / weights
     mean, error = float(levels.mean()), float(levels.std(ddof=1)) / np.sqrt(len(levels))
     return mean if abs(mean) > GAIN_DB and abs(mean) > SURE * error else None
+
+
+def _fixed(turn: Turn, amplitude: float) -> bool:
+    """Whether no delay at all explains clearly more than any source at rest: interference, or one channel twice."""
+    nothing = float(Steered(turn, turn.phase).share(np.zeros((len(turn.headings), 1)))[0])
+    return 1 - float(explained_by(turn, RATIOS * amplitude).max()) > LEFT * (1 - nothing)
+
+
+def _delay(turn: Turn, amplitude: float) -> float | None:
+    """The delay between the channels with which sources at rest explain clearly more than without."""
+    delay, left, without = common_delay(turn, amplitude)
+    return delay if without > LEFT_TOGETHER * left and without - left > EXPLAINED else None
 
 
 def _spacing(turn: Turn, spacing: float, speed_of_sound: float) -> float | None:

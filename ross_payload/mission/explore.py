@@ -58,7 +58,9 @@ def check_array(context: Context) -> None:
     spectra = [each for each in explored if each is not None and each.coherence >= HEARD]
     found = contradiction(spectra, settings.spacing, settings.speed_of_sound, level=settings.level)
     if found:
-        told = ArrayContradicted(context.time, found.spacing, settings.spacing, found.gain_db, found.inverted)
+        told = ArrayContradicted(
+            context.time, found.spacing, settings.spacing, found.gain_db, found.inverted, found.delay, found.fixed
+        )
         context.publish(told)
 
 

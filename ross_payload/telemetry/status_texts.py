@@ -68,6 +68,11 @@ def contradicted(event: events.ArrayContradicted) -> str:
     parts = []
     if event.inverted:
         parts.append("polarity of one microphone is reversed")
+    if event.fixed:
+        parts.append("what it hears turns with it, as interference and its own noise do")
+    if event.delay is not None:
+        late = 1 if event.delay > 0 else 2
+        parts.append(f"microphone {late} seems about {1e6 * abs(event.delay):.0f} us late at all headings")
     if event.spacing is not None:
         parts.append(f"spacing seems {1e3 * event.spacing:.0f} mm, not {1e3 * event.configured:.0f}")
     if event.gain_db is not None:

@@ -7,6 +7,7 @@ import pytest
 
 from mission_bench import SETTINGS, rig
 from ross_payload.calibration.consistency import Contradiction, contradiction
+from ross_payload.calibration.cross_spectrum import heading_spectrum
 from ross_payload.config import Config, validated
 from ross_payload.events import ArrayContradicted, OrientationHeard, State, StateChanged
 from ross_payload.interfaces import Attitude, AudioBlock, Input
@@ -110,6 +111,29 @@ def test_an_exploration_without_a_pause_says_so_too():
     assert turned(gain_db=-2.5)[0].gain_db == pytest.approx(-2.5, abs=0.2)
     assert turned(inverted=True)[0].inverted
     assert turned(spacing=0.1)[0].spacing == pytest.approx(0.1, rel=0.12)
+
+
+@pytest.mark.parametrize("azimuths", [(0.7, 2.6), THREE])
+def test_a_delay_between_the_channels_is_noticed(azimuths):
+    heard = spectra(TURN, azimuths=azimuths, delay=-1 / RATE)
+    found = contradiction(heard, 0.05, SPEED)
+    assert found.delay == pytest.approx(-1 / RATE, abs=2.6e-5)
+    assert (found.spacing, found.gain_db, found.inverted, found.fixed) == (None, None, False, False)
+    assert contradiction(heard, 0.05, SPEED, level=False) == Contradiction()
+    (text,) = [line(ArrayContradicted(1.0, None, 0.05, None, inverted=False, delay=found.delay))[1]]
+    assert "microphone 2 seems about" in text
+
+
+def test_what_turns_with_the_array_is_interference_and_no_wrong_spacing():
+    """As of a radio beside the cable: the same on both channels, whatever the heading."""
+    rng = np.random.default_rng(8)
+    hiss, both = 1e-3 * rng.standard_normal((9, 2, 2 * RATE)), 0.05 * rng.standard_normal((9, 1, 2 * RATE))
+    both[..., np.arange(2 * RATE) % 4000 > 400] = 0  # in bursts
+    pairs = zip(TURN, (hiss + both).astype(np.float32), strict=True)
+    heard = [heading_spectrum(samples, RATE, float(heading)) for heading, samples in pairs]
+    found = contradiction(heard, 0.05, SPEED)
+    assert found == Contradiction(fixed=True)
+    assert "turns with it" in line(ArrayContradicted(1.0, None, 0.05, None, inverted=False, fixed=True))[1]
 
 
 def test_polarity_is_told_in_words():
