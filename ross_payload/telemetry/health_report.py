@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from ross_payload.clock import Every
-from ross_payload.health import AudioHealth, RecordingStatus
+from ross_payload.health import AudioHealth, AudioTrouble, RecordingStatus
 from ross_payload.mavlink import LinkStatus
 from ross_payload.mavlink.message_board import Board, Rank
 from ross_payload.telemetry import status_texts
 from ross_payload.telemetry.computer import PERIOD
 from ross_protocols.mavlink.computer import Computer, computer_message
 from ross_protocols.mavlink.values import Audio, Information, LinkReport, Recording, RecordingState, Severity
+
+OVER_S = 10.0  # [s] without a trouble until it is said to be over: a talker who clips now and then fills no screen
 
 
 class HealthReport:
@@ -35,6 +38,8 @@ class HealthReport:
         self._ask_computer = computer
         self._looking = Every(PERIOD)
         self._health = AudioHealth()
+        self._seen: dict[AudioTrouble, float] = {}  # when every trouble of the microphones was there last [s]
+        self._said = AudioTrouble.NONE  # what the operator believes of them
         self._recording = RecordingStatus()
 
     @property
@@ -52,18 +57,21 @@ class HealthReport:
         self._board.put(Rank.INFORMATION, [information])
         self._board.put(Rank.LINK, reports(links, information.time_usec))
         if self._ask_audio is not None:
-            self._listen(self._ask_audio(), information.time_usec)
+            self._listen(self._ask_audio(), information.time_usec, now)
         if self._ask_recording is not None:
             self._record(self._ask_recording(), information.time_usec)
         if self._ask_computer is not None and self._looking.due(now):
             self._board.put(Rank.COMPUTER, [computer_message(self._ask_computer(), information.time_usec)])
 
-    def _listen(self, health: AudioHealth, time_usec: int) -> None:
+    def _listen(self, health: AudioHealth, time_usec: int, now: float) -> None:
         told = Audio(
             time_usec, int(health.trouble), health.level_db, health.peak_db, health.lost, health.reopened,
             health.waiting, health.rate,
         )  # fmt: skip
-        said = status_texts.microphone_text(self._health, health)
+        self._seen |= dict.fromkeys(health.trouble, now)
+        lately = AudioTrouble(sum(each for each, last in self._seen.items() if now - last < OVER_S))
+        said = status_texts.microphone_text(replace(health, trouble=self._said), replace(health, trouble=lately))
+        self._said = lately
         (self._board.put if said is None else self._board.announce)(Rank.AUDIO, [told])
         if said is not None:
             self._send_text(*said)

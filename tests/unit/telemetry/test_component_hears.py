@@ -171,6 +171,22 @@ def test_ears_and_recorder_are_told_and_trouble_is_said(aloft) -> None:
     assert sky.ports[0].texts() == ["RoSS: microphones: clipping", "RoSS: recording stopped: the disk is full"]
 
 
+def test_a_trouble_that_comes_and_goes_is_said_once_and_its_end_when_it_stays_away(aloft) -> None:
+    """A talker who clips now and then would use up the lines that an operator reads."""
+    well, ill = AudioHealth(), AudioHealth(AudioTrouble.CLIPPING)
+    health = [well]
+    with aloft(GROUND, health=lambda: health[-1]) as sky:
+        for _ in range(10):
+            health.append(ill)
+            sky.live(2.0)
+            health.append(well)
+            sky.live(4.0)
+        assert sky.ports[0].texts() == ["RoSS: microphones: clipping"]
+        assert {told.trouble for told in sky.ports[0].values(v.Audio)} == {0, AudioTrouble.CLIPPING}
+        sky.live(9.0)
+    assert sky.ports[0].texts() == ["RoSS: microphones: clipping", "RoSS: microphones recovered"]
+
+
 class Recorder:
     """Records nothing."""
 
