@@ -13,18 +13,19 @@ LOWEST_HZ = 400.0  # of what is compared: below it hum and wind may be far loude
 FAR_LESS_DB = 30.0  # between a dead microphone and the other, as the health of the microphones has it
 SHARE = 0.25  # of a task without sound, from which it cannot tell who is there
 LATELY_S = 2.0  # without sound at its end, from which it cannot either
+PIECE_S = 0.1  # of sound, whose microphones are compared
 
 
 @dataclass(slots=True)
 class _Without:
-    """Hops without sound."""
+    """Samples without sound."""
 
-    hops: int = 0
-    lately: float = 0.0  # [s] until now
+    samples: int = 0
+    lately: int = 0  # until now
 
-    def add(self, *, sound: bool, seconds: float) -> None:
-        self.hops += not sound
-        self.lately = 0.0 if sound else self.lately + seconds
+    def add(self, samples: int, *, sound: bool) -> None:
+        self.samples += 0 if sound else samples
+        self.lately = 0 if sound else self.lately + samples
 
 
 @dataclass(slots=True)
@@ -39,31 +40,42 @@ class Hearing:
     'microphone 2 was dead for 100 % of the time'
     """
 
-    hops: int = 0
+    rate: int = 1  # [Hz]
+    samples: int = 0
+    compared: int = 0  # samples, of them
     missing: _Without = field(default_factory=_Without)
     dead: tuple[_Without, _Without] = field(default_factory=lambda: (_Without(), _Without()))
+    _waiting: list[Samples] = field(default_factory=list)  # to be compared, once there is enough
 
     def add(self, samples: Samples, rate: int) -> None:
         """Take a hop (2, n); zeros stand for samples that never came."""
-        self.hops += 1
-        n = samples.shape[1]
-        spectrum = np.fft.rfft(samples * np.hanning(n))[:, math.ceil(LOWEST_HZ * n / rate) :]
+        self.rate = rate
+        self.samples += samples.shape[1]
+        self.missing.add(samples.shape[1], sound=bool(samples.any()))
+        self._waiting.append(samples)
+        if self.samples - self.compared >= PIECE_S * rate:
+            piece = np.concatenate(self._waiting, axis=1)
+            self._waiting.clear()
+            self.compared = self.samples
+            self._compare(piece)
+
+    def _compare(self, piece: Samples) -> None:
+        n = piece.shape[1]
+        spectrum = np.fft.rfft(piece * np.hanning(n))[:, math.ceil(LOWEST_HZ * n / self.rate) :]
         power = np.sum(np.abs(spectrum) ** 2, axis=1)
-        seconds, came, far = n / rate, bool(samples.any()), 10 ** (FAR_LESS_DB / 10)
-        self.missing.add(sound=came, seconds=seconds)
         for microphone, other in ((0, 1), (1, 0)):
-            dead = came and bool(power[microphone] * far < power[other])
-            self.dead[microphone].add(sound=not dead, seconds=seconds)
+            dead = power[microphone] * 10 ** (FAR_LESS_DB / 10) < power[other]  # never where no sound came
+            self.dead[microphone].add(n, sound=not dead)
 
     def fault(self) -> str:
         """Return why nobody would have been heard, in words; empty when there is no reason."""
         kinds = (
-            ("no audio came", self.missing),
-            *((f"microphone {number} was dead", dead) for number, dead in enumerate(self.dead, start=1)),
+            ("no audio came", self.missing, self.samples),
+            *((f"microphone {number} was dead", dead, self.compared) for number, dead in enumerate(self.dead, start=1)),
         )
-        for what, without in kinds:
-            if without.hops > SHARE * self.hops:
-                return f"{what} for {100 * without.hops / self.hops:.0f} % of the time"
-            if without.lately >= LATELY_S:
-                return f"{what} for the last {without.lately:.0f} s"
+        for what, without, whole in kinds:
+            if without.samples > SHARE * whole:
+                return f"{what} for {100 * without.samples / whole:.0f} % of the time"
+            if without.lately >= LATELY_S * self.rate:
+                return f"{what} for the last {without.lately / self.rate:.0f} s"
         return ""
