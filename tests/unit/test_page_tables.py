@@ -63,6 +63,25 @@ def test_a_file_that_was_cut_short_in_its_last_row_is_refused_in_one_line(tmp_pa
 
 
 @pytest.mark.parametrize(
+    ("make", "got"),
+    [
+        (os.mkfifo, "expected a regular file, got a named pipe"),
+        (Path.mkdir, "expected a regular file, got a folder"),
+        (lambda path: path.symlink_to("/dev/zero"), "expected a regular file, got a device"),
+        (lambda path: None, "No such file or directory"),
+        (lambda path: path.write_bytes(b"\xde\n"), "expected the rows of a study, got no UTF-8 text"),
+    ],
+    ids=["pipe", "folder", "device", "nothing", "bytes"],
+)
+def test_what_holds_no_rows_is_refused_without_waiting_or_reading_for_ever(tmp_path, make, got):
+    path = tmp_path / "rows.csv"
+    make(path)
+    with pytest.raises(ConfigError) as refused:
+        tables_of(path)
+    assert str(refused.value).endswith(got)
+
+
+@pytest.mark.parametrize(
     ("change", "words"),
     [
         (lambda text: text + "S1,3\n", "line 3: expected 16 cells, got 2"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 import types
 import typing
 from collections.abc import Iterable, Sequence
@@ -13,6 +14,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, TextIO
 
+from ross_payload.bounded_files import open_regular
 from ross_payload.errors import ConfigError
 from ross_payload.plugins import install_line
 from ross_sim.study.result_rows import columns
@@ -51,6 +53,7 @@ def read_rows(path: Path, kinds: Sequence[type[Any]]) -> tuple[type[Any], list[A
         When it cannot be read, or is something else.
     """
     try:
+        os.close(open_regular(path))  # neither waits for a named pipe nor reads a device without end
         if path.suffix == ".parquet":
             names, lines = _parquet(path)
         else:
@@ -60,8 +63,11 @@ def read_rows(path: Path, kinds: Sequence[type[Any]]) -> tuple[type[Any], list[A
             raise ConfigError(f"{path}: expected the rows of a study, got columns {', '.join(names[:4]) or 'none'} ...")
         hints = typing.get_type_hints(kind)
         return kind, [kind(**{name: _value(hints[name], line[name]) for name in names}) for line in lines]
-    except (OSError, UnicodeError, ValueError, TypeError) as error:
-        raise ConfigError(f"{path}: expected the rows of a study: {error}") from error
+    except UnicodeError as error:
+        raise ConfigError(f"{path}: expected the rows of a study, got no UTF-8 text") from error
+    except (OSError, ValueError, TypeError) as error:
+        why = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise ConfigError(f"{path}: expected the rows of a study: {why}") from error
 
 
 def csv_lines(path: Path) -> tuple[tuple[str, ...], list[dict[str, str]]]:
