@@ -79,7 +79,7 @@ class Config(Table):
         """Give the array the spacing of its preset, where the file tells none."""
         array, known = info.data.get("array"), audio.known_spacing
         if array is not None and known is not None and "spacing_m" not in array.model_fields_set:
-            info.data["array"] = array.model_copy(update={"spacing_m": known})
+            info.data["array"] = Array.model_construct(array.model_fields_set, **dict(array) | {"spacing_m": known})
         return audio
 
     @model_validator(mode="after")

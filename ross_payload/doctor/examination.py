@@ -121,7 +121,7 @@ def array(config: Config, machine: Machine) -> Iterator[Finding]:
         apart = f"microphones {channels[0]} and {channels[1]} of '{preset}' are {1e3 * known:.1f} mm apart"
         found = f"spacing_m is {1e3 * told:.1f} mm, but {apart}"
         yield warn("array", found, "leave array.spacing_m out, or measure it: `ross calibrate`")
-    elif "spacing_m" not in config.array.model_fields_set:
+    elif known is None and "spacing_m" not in config.array.model_fields_set:
         found = f"nobody told the spacing: {1e3 * told:.0f} mm is assumed"
         yield warn("array", found, "array.spacing_m: use a ruler, then `ross calibrate`")
     else:

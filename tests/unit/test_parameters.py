@@ -298,6 +298,14 @@ def test_the_listing_tells_value_and_origin_of_every_key(file, tmp_path):
     assert "step_deg = 30.0" in "\n".join(listing(config, file))
 
 
+def test_a_spacing_that_follows_from_the_preset_is_not_said_to_be_in_the_file(file, tmp_path):
+    config = from_toml(tmp_path, '[audio]\npreset = "respeaker-usb"\n[array]\noffset_deg = 3.0\n')
+    origins = shown(config, file)
+    assert (origins["array.spacing_m"], origins["array.offset_deg"]) == ("default", "file")
+    told = from_toml(tmp_path, '[audio]\npreset = "respeaker-usb"\n[array]\nspacing_m = 0.06\n')
+    assert shown(told, file)["array.spacing_m"] == "file"
+
+
 def test_the_listing_is_a_file_that_means_the_same(file, tmp_path):
     text = (
         '[audio]\nsource = "file:a \\"b\\".wav"\nchannels = [2, 0]\n[informed]\nazimuths_deg = [10, -50.5]\n'
