@@ -6,9 +6,10 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args
+from types import UnionType
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import ErrorDetails
 
 from ross_payload.bounded_files import parsed_toml, read_bounded
@@ -18,6 +19,12 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Degrees = Annotated[float, Field(allow_inf_nan=False)]
 Model = TypeVar("Model", bound=BaseModel)
 BEGINNINGS = {"be": "expected ", "have": "expected "}
+WORDS = {
+    "greater": "a number greater",
+    "less": "a number less",
+    "a valid dictionary": "a table",
+    "a valid tuple": "a list",
+}
 FORMS = {
     r"^[A-Za-z][\w.-]*:.+": "device:NAME, file:PATH, tcp:HOST:PORT or NAME:ADDRESS of a plug-in",
     "^(can:.+)?$": "can:INTERFACE:CHANNEL[:BITRATE]",
@@ -30,6 +37,32 @@ class Table(BaseModel):
     """A table of the file: frozen, and an unknown key is an error."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _no_switch_for_a_number(cls, value: Any, info: ValidationInfo) -> Any:
+        """Refuse true and false where a number is expected: they would be 1 and 0, such as a heading that is known."""
+        if isinstance(value, bool) and _is_number(cls.model_fields[str(info.field_name)].annotation):
+            raise ValueError(f"expected a number, got {str(value).lower()}")
+        return value
+
+
+def _is_number(annotation: Any) -> bool:
+    """Whether what a key may have is a number, and not a switch as well."""
+    parts = set(_parts(annotation))
+    return bool(parts & {int, float}) and bool not in parts
+
+
+def _parts(annotation: Any) -> Iterator[Any]:
+    """The types among which a value may be; those inside a tuple are not."""
+    inner = get_args(annotation)
+    if get_origin(annotation) is Annotated:
+        yield from _parts(inner[0])
+    elif get_origin(annotation) in (Union, UnionType):
+        for part in inner:
+            yield from _parts(part)
+    else:
+        yield annotation
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -83,11 +116,13 @@ def _wrong(error: ErrorDetails) -> str:
         return "expected a number, got nan"
     if error["type"] == "missing":
         return "expected a value, got none"
+    if error["type"] == "int_parsing_size":
+        return f"expected a valid integer, got {shown(value)}"
     text = re.sub(r"^\w+ should (be|have) ", lambda found: BEGINNINGS[found[1]], text)
     text = re.sub(r" after validation, not \d+", "", text)
-    text = text.replace("expected greater", "expected a number greater").replace(
-        "expected less", "expected a number less"
-    )
+    text = re.sub(r" or instance of \w+", "", text)
+    for word, meant in WORDS.items():
+        text = text.replace(f"expected {word}", f"expected {meant}")
     meant = (
         near(value, re.findall(r"'([^']+)'", text))
         if error["type"] == "literal_error" and isinstance(value, str)

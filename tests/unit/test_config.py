@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 
@@ -115,3 +117,32 @@ def test_a_frame_of_the_explorer_that_holds_no_frequency_below_the_aliasing_limi
     held = config(140, 0.5)
     first = held.audio.rate_hz / 140
     assert first <= aliasing_limit(0.5, held.array.speed_of_sound_m_s)
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("seed = true", "seed: expected a number, got true"),
+        ("[mount]\nyaw_deg = false", "mount.yaw_deg: expected a number, got false"),
+        ("[mount]\nheight_m = true", "mount.height_m: expected a number, got true"),
+        ("[guard]\nlower_deg = false", "guard.lower_deg: expected a number, got false"),
+        ("[explore]\nframe = true", "explore.frame: expected a number, got true"),
+        (
+            "[[links]]\nurl = 'udpin:127.0.0.1:1'\nmax_bytes_s = false",
+            "links.0.max_bytes_s: expected a number, got false",
+        ),
+        ("[recording]\nmax_gb = 1e300", "recording.max_gb: expected a number less than or equal to 10000, got 1e+300"),
+        ("[audio]\nhop_ms = 1e300", "audio.hop_ms: expected a valid integer, got 1e+300"),
+        ("audio = 3", "audio: expected a table, got 3"),
+        ("[audio]\nchannels = 3", "audio.channels: expected a list, got 3"),
+        ("[explore]\noptions = 'x'", "explore.options: expected a table, got 'x'"),
+    ],
+)
+def test_a_value_of_another_type_is_refused(tmp_path, text, line):
+    with pytest.raises(ConfigError, match=re.escape(line)):
+        load(write(tmp_path / "a.toml", text))
+
+
+def test_a_switch_is_a_switch(tmp_path):
+    config = load(write(tmp_path / "a.toml", "[audio]\ninvert = [true, false]\n[exploit]\ntrack = false"))
+    assert (config.audio.invert, config.exploit.track) == ((True, False), False)
