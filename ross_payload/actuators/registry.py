@@ -6,6 +6,7 @@ are lowered to the guard's caps before the back end sees them.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
@@ -16,6 +17,7 @@ from ross_payload.errors import ConfigError, PluginError
 from ross_payload.interfaces import Backend, Services
 
 GROUP = "ross_payload.actuators"
+ROUNDING_DEG = 1e-6  # of a travel that is told in radians
 CAPS = ("max_speed_deg_s", "max_acceleration_deg_s2")
 
 
@@ -35,11 +37,17 @@ def open_actuator(settings: config.Config, services: Services) -> Guard:
     Raises
     ------
     ConfigError
-        When the back end is unknown or broken, an option is wrong, or the limits exclude all of its travel.
+        When the back end is unknown or broken, an option is wrong, the limits exclude all of its travel, or too little
+        is left to explore without a pause.
     """
     backend = _backend(settings.actuator.kind)
     actuator = backend.open(checked_options(settings), services)
-    return Guard(actuator, settings.guard, services.clock)
+    guard = Guard(actuator, settings.guard, services.clock)
+    travel = math.degrees(guard.capabilities.upper - guard.capabilities.lower)
+    if settings.explore.continuous and travel < config.LEAST_TRAVEL_DEG - ROUNDING_DEG:
+        kind, least = settings.actuator.kind, config.LEAST_TRAVEL_DEG
+        raise ConfigError(f"explore.continuous: expected {kind} to turn at least {least:g} deg, got {travel:g}")
+    return guard
 
 
 def checked_options(settings: config.Config) -> Any:

@@ -28,7 +28,9 @@ class Link(Table):
 class Telemetry(Table):
     """[telemetry]: identity and rates on MAVLink."""
 
-    system_id: Annotated[int, Field(ge=0, le=255)] = 1  # of the vehicle; 0: taken from the autopilot's heartbeat
+    system_id: Annotated[int, Field(ge=0, le=255)] = (
+        1  # of the vehicle; 0: from the heartbeat on the link of role autopilot
+    )
     component_id: Annotated[int, Field(ge=2, le=255)] = 191  # 191: onboard computer; 1 is the autopilot
     status_hz: Annotated[float, Field(gt=0, le=50)] = 4.0  # ROSS_STATUS
     mirror_hz: Annotated[float, Field(ge=0, le=10)] = 1.0  # NAMED_VALUE_FLOAT and DEBUG_FLOAT_ARRAY; 0: never

@@ -18,7 +18,7 @@ from ross_payload.audio.sinks import SinkServices, checked_options, load_sink, m
 from ross_payload.config import Config
 from ross_payload.config.listening_options import selection_text
 from ross_payload.dsp.streaming_stft import transform_for
-from ross_payload.errors import RossError
+from ross_payload.errors import ConfigError, RossError
 from ross_payload.events import Event
 from ross_payload.interfaces import AudioBlock, AudioSink, Clock, Input
 from ross_payload.listening.learning import BackgroundLearner, ImmediateLearner, Learner
@@ -223,13 +223,18 @@ def check_listening(config: Config) -> None:
         With the table and the key, what was expected and what was got.
     """
     asked = config.listening
+    taken = {(asked.sdp_address, asked.sdp_port): "listening.sdp_port"} if asked.sdp_port else {}
     for number, stream in enumerate(asked.streams):
         try:
             load_sink(stream.sink)
         except RossError as error:
             raise type(error)(f"listening.streams.{number}.sink: {error}") from error
         where = f"listening.streams.{number}.options of '{stream.sink}'"
-        checked_options(stream.sink, stream.options, where)
+        options = checked_options(stream.sink, stream.options, where)
+        if stream.sink == "tcp" and stream.on and getattr(options, "mode", "") == "listen":
+            door = (getattr(options, "address", ""), getattr(options, "port", 0))
+            if taken.setdefault(door, where) != where:
+                raise ConfigError(f"{where}: port: expected another than that of {taken[door]}, got {door[1]} for both")
     try:
         _, lookahead = transform_for(config.audio.rate_hz, asked.latency_ms / 1000)
         load_separator(asked.separator).live(lookahead)

@@ -98,9 +98,10 @@ def _check_links(config: Config) -> None:
     for key, value, needs in (
         ("mount.source", config.mount.source, "autopilot"),
         ("gimbal.mode", config.gimbal.mode, "device"),
+        ("telemetry.system_id", config.telemetry.system_id, 0),  # without one nothing but heartbeats is ever sent
     ):
         if value == needs and "autopilot" not in roles:
-            raise ConfigError(f"{key} = '{value}': expected a link of role 'autopilot', got none")
+            raise ConfigError(f"{key} = {value!r}: expected a link of role 'autopilot', got none")
     if config.actuator.kind == "mavlink_gimbal" and not config.links:
         raise ConfigError("actuator.kind = 'mavlink_gimbal': expected [[links]] as the way to it, got none")
     if config.actuator.kind == settings.VEHICLE_YAW and "autopilot" not in roles:

@@ -43,6 +43,7 @@ BAD = {
     "audio from nothing": "[audio]\nsource = 'tape:1'\n",
     "no autopilot for the mount": "[mount]\nsource = 'autopilot'\n",
     "no autopilot for the gimbal": "[gimbal]\nmode = 'device'\n",
+    "no autopilot for the system id": LINK.format("udpin:127.0.0.1:14550") + "[telemetry]\nsystem_id = 0\n",
     "no way to the gimbal": "[actuator]\nkind = 'mavlink_gimbal'\n",
     "two gimbals": LINK.format("udpin:127.0.0.1:14550")
     + "[actuator]\nkind = 'mavlink_gimbal'\n[gimbal]\nmode='device'",
@@ -70,12 +71,21 @@ BAD = {
     "[actuator.options]\nport = 'can:virtual:a'\nnode_id = 42\n",
     "limits that leave no travel": "[guard]\nlower_deg = 400.0\nupper_deg = 401.0\npark_deg = 400.5\n"
     "[actuator]\nkind = 'dronecan_servo'\n",
+    "a window that no register of a drive holds": "[actuator]\nkind = 'canopen_drive'\n"
+    "options = { max_lag_deg = 1e9 }\n",
+    "a drive whose home lies outside its travel": "[actuator]\nkind = 'canopen_drive'\n"
+    "options = { homing = 'here', zero_deg = 720.0 }\n",
+    "too little travel to turn without a pause": "[explore]\ncontinuous = true\n[actuator]\nkind = 'canopen_drive'\n"
+    "options = { lower_deg = -20.0, upper_deg = 20.0 }\n",
     "no such explorer": "[explore]\nmethod = 'guess'\n",
     "no such separator": "[exploit]\nseparator = 'magic'\n",
     "no such sink": "[[listening.streams]]\nsink = 'loudspeaker'\n",
     "a sink without its path": "[[listening.streams]]\nsink = 'file'\n",
     "a track of another format": "[[listening.streams]]\nsink = 'file'\noptions = { path = 'a.mp3' }\n",
     "a codec that is none": "[[listening.streams]]\nsink = 'tcp'\noptions = { port = 5, codec = 'mp3' }\n",
+    "one port for two streams": "[[listening.streams]]\nsink = 'tcp'\noptions = { port = 5 }\n" * 2,
+    "one port for a stream and the descriptions": "[listening]\nsdp_port = 5\n"
+    "[[listening.streams]]\nsink = 'tcp'\noptions = { port = 5 }\n",
     "nobody to listen to": "[[listening.streams]]\nsink = 'device'\nwhat = 'everybody'\n",
     "a stream to a crowd": "[[listening.streams]]\nsink = 'rtp'\noptions = { address = '239.0.0.1' }\n",
     "a latency that is too short": "[listening]\nlatency_ms = 10\n",

@@ -47,6 +47,15 @@ class Options(Table):
         check_geared_node(self)
         if max(abs(count) for count in self.travel) > MAX_COUNTS or self.span(self.max_speed_deg_s) > MAX_COUNTS:
             raise ValueError("counts_per_turn and gear_ratio: the travel has more counts than fit into 32 bits")
+        most = math.degrees((MAX_COUNTS - 1) / abs(self.scale))
+        for key in ("homing_deg_s", "max_lag_deg", "max_acceleration_deg_s2"):
+            if getattr(self, key) > most:
+                raise ValueError(f"{key}: expected at most {most:g}, which is 31 bits in counts, got {getattr(self, key):g}")
+        if self.homing == "here" and not self.lower_deg <= self.zero_deg <= self.upper_deg:
+            raise ValueError(
+                f"zero_deg: expected {self.lower_deg:g} to {self.upper_deg:g}, the travel, as the array stands there"
+                f" for homing = 'here', got {self.zero_deg:g}"
+            )
         return self
 
     @property
