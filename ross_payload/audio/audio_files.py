@@ -93,7 +93,7 @@ def _opened(path: Path) -> Iterator[soundfile.SoundFile]:
     """Open a file for reading; whatever libsndfile says against it becomes an AudioError."""
     check_readable(path)
     try:
-        with soundfile.SoundFile(path) as file:
+        with soundfile.SoundFile(os.fsencode(path)) as file:  # of any name: a text would have to be UTF-8
             if file.samplerate > HIGHEST_RATE:
                 raise AudioError(f"{path}: expected at most {HIGHEST_RATE} Hz, got {file.samplerate} Hz")
             yield file
@@ -127,7 +127,7 @@ class WavWriter:
         with ExitStack() as stack, self._reported():
             part = stack.enter_context(replacing(path, OWN))
             self._file = soundfile.SoundFile(
-                part, "w", samplerate=rate, channels=channels, subtype="PCM_24", format="WAV"
+                os.fsencode(part), "w", samplerate=rate, channels=channels, subtype="PCM_24", format="WAV"
             )
             self._place = stack.pop_all()
 

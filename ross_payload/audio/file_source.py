@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 from typing import Self
 
@@ -81,7 +82,7 @@ class FileSource:
             raise AudioError(f"{self._path}: can be opened only once")
         check_readable(self._path)
         try:
-            file = soundfile.SoundFile(self._path)
+            file = soundfile.SoundFile(os.fsencode(self._path))
         except (soundfile.LibsndfileError, RuntimeError) as error:
             raise AudioError(f"{self._path}: expected audio that libsndfile can read") from error
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import os
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -72,7 +73,7 @@ def read(path: Path, rate: int) -> Samples:
         When it cannot be read, is empty, silent, sampled above 192 kHz or louder than any sound, or holds NaN.
     """
     try:
-        channels, original = soundfile.read(path, dtype="float64", always_2d=True)
+        channels, original = soundfile.read(os.fsencode(path), dtype="float64", always_2d=True)
     except (soundfile.LibsndfileError, OSError) as error:
         raise ConfigError(f"{path}: not a recording that can be read: {_reason(error)}") from error
     if original > HIGHEST_RATE:
