@@ -6,6 +6,11 @@ from pathlib import Path
 from typing import Literal, get_args, get_origin
 
 from ross_payload import config
+from ross_payload.actuators.canopen_drive import options as canopen_drive
+from ross_payload.actuators.dronecan_servo import options as dronecan_servo
+from ross_payload.actuators.grbl import options as grbl
+from ross_payload.actuators.mavlink_gimbal import options as mavlink_gimbal
+from ross_payload.actuators.tb6600 import options as tb6600
 from ross_payload.audio.sinks import device_sink, file_sink, rtp_sink, tcp_sink
 from ross_payload.localization import markov_explorer
 
@@ -64,6 +69,15 @@ def choices(annotation, means: str) -> str:
     return "" if told else f" ({', '.join(f'`{word}`' for word in shown)})"
 
 
+def actuators() -> list[str]:
+    """The tables of the options of every back end but ``vehicle_yaw``, which has a page of its own."""
+    lines = ["Those of `vehicle_yaw` are on [its page](vehicle-yaw.md); a plug-in has its own.\n"]
+    for module in (tb6600, grbl, canopen_drive, dronecan_servo, mavlink_gimbal):
+        name = module.__name__.split(".")[-2]
+        lines += [f"## `[actuator.options]` of `{name}`\n", *rows(module.Options, comments(Path(module.__file__)))]
+    return lines
+
+
 def streams() -> list[str]:
     """The tables below [listening]: one for each stream, and the options of every sink."""
     stream = config.Stream
@@ -89,7 +103,7 @@ def tables() -> str:
         about_model = (model.__doc__ or "").split(": ", 1)[-1]
         parts.append(f"## `{heading}`\n\n{about_model[0].upper() + about_model[1:]}\n")
         parts += rows(model, about)
-        parts += {"explore": options, "listening": streams}.get(name, list)()
+        parts += {"actuator": actuators, "explore": options, "listening": streams}.get(name, list)()
     return "\n".join(parts)
 
 

@@ -9,6 +9,8 @@ import click
 import pytest
 
 from manual import BLOCK, ROOT, pages
+from ross_payload import plugins
+from ross_payload.actuators.registry import GROUP
 from ross_payload.cli import ross
 from ross_payload.config import Config, Table
 from ross_sim.scenario import Scenario
@@ -20,6 +22,7 @@ CODE = re.compile(r"`[^`\n]+`")
 KEY = re.compile(r"`\[{1,2}([\w.]+)\]{1,2} (\w+)")  # `[guard] lower_deg`
 DOTTED = re.compile(r"`([a-z_]+)\.([a-z_]+)(?= =|`)")  # `guard.lower_deg`, `mount.source = "autopilot"`
 OTHERS = {"wav", "json", "toml", "tlog", "log", "app", "load_dsdl"}  # endings of files; names of the package dronecan
+BACK_ENDS = set(plugins.available(GROUP)) - {"ideal"}  # which is the simulator's, and has nothing to set up
 UNDOCUMENTED = {"--help", "--version"}
 
 
@@ -97,6 +100,17 @@ def test_a_key_of_the_configuration_exists(path):
     named = KEY.findall(text)
     named += [(name, key) for name, key in DOTTED.findall(text) if name in tables(Config) and key not in OTHERS]
     assert [f"[{name}] {key}" for name, key in named if key not in known.get(name, ())] == []
+
+
+@pytest.mark.parametrize("kind", sorted(BACK_ENDS))
+def test_the_reference_tells_default_and_meaning_of_every_option_of_a_back_end(kind):
+    reference = ROOT / "docs" / "reference"
+    text = "".join((reference / page).read_text(encoding="utf-8") for page in ("configuration.md", "vehicle-yaw.md"))
+    heading = "## `[actuator.options]`\n" if kind == "vehicle_yaw" else f"## `[actuator.options]` of `{kind}`\n"
+    section = text.split(heading)[1].split("\n## ")[0]
+    rows = [line.split("|")[1:4] for line in section.splitlines() if line.startswith("| `")]
+    told = {key for keys, _, means in rows for key in re.findall(r"`(\w+)`", keys) if means.strip()}
+    assert told == set(plugins.load(GROUP, kind).Config.model_fields)
 
 
 def test_a_wrong_key_would_be_found():

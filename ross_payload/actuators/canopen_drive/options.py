@@ -24,22 +24,22 @@ MAX_COUNTS = 2**31 - 1  # counts
 class Options(Table):
     """[actuator.options] of ``canopen_drive``."""
 
-    port: Annotated[str, Field(pattern="^can:")] = "can:socketcan:can0"
+    port: Annotated[str, Field(pattern="^can:")] = "can:socketcan:can0"  # can:INTERFACE:CHANNEL[:BITRATE]
     node_id: NodeId = 5  # of the drive
     own_node_id: NodeId = 127  # of this payload, for its heartbeat; nobody else may have it
     counts_per_turn: Annotated[float, Field(gt=0, le=1e9)] = 4096.0  # of the encoder, per turn of the motor
     gear_ratio: Annotated[float, Field(ge=-10000, le=10000)] = 20.0  # turns of the motor per turn of the array, signed
     zero_deg: Degrees = 0.0  # joint angle where the drive counts 0: at its home, or at an absolute encoder's zero
     lower_deg: Degrees = -200.0  # ends of the travel, joint angles
-    upper_deg: Degrees = 200.0
+    upper_deg: Degrees = 200.0  # the other end
     homing: Literal["none", "here", "negative_limit", "positive_limit", "switch_positive", "switch_negative"] = (
         "none"  # none: an absolute encoder knows where it is
     )
     homing_deg_s: Positive = 20.0  # towards the switch; a tenth of it away from it
     resolution_deg: Positive = 0.1  # how near to a goal the drive comes
     max_lag_deg: Positive = 5.0  # farther behind its own plan, the drive reports a following error
-    max_speed_deg_s: Positive = 225.0
-    max_acceleration_deg_s2: Positive = 112.5
+    max_speed_deg_s: Positive = 225.0  # no move is faster; the guard's cap applies, too
+    max_acceleration_deg_s2: Positive = 112.5  # no move accelerates or brakes harder; the guard's cap applies, too
     settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # still for so long is settled
 
     @model_validator(mode="after")
@@ -50,7 +50,9 @@ class Options(Table):
         most = math.degrees((MAX_COUNTS - 1) / abs(self.scale))
         for key in ("homing_deg_s", "max_lag_deg", "max_acceleration_deg_s2"):
             if getattr(self, key) > most:
-                raise ValueError(f"{key}: expected at most {most:g}, which is 31 bits in counts, got {getattr(self, key):g}")
+                raise ValueError(
+                    f"{key}: expected at most {most:g}, which is 31 bits in counts, got {getattr(self, key):g}"
+                )
         if self.homing == "here" and not self.lower_deg <= self.zero_deg <= self.upper_deg:
             raise ValueError(
                 f"zero_deg: expected {self.lower_deg:g} to {self.upper_deg:g}, the travel, as the array stands there"

@@ -19,14 +19,16 @@ RANGES = {"unitless": (-1.0, 1.0), "pwm": (500.0, 2500.0)}
 class Options(Table):
     """[actuator.options] of ``dronecan_servo``."""
 
-    port: Annotated[str, Field(pattern="^can:")] = "can:socketcan:can0"
+    port: Annotated[str, Field(pattern="^can:")] = "can:socketcan:can0"  # can:INTERFACE:CHANNEL[:BITRATE]
     node_id: NodeId = 50  # of the servo
     own_node_id: Annotated[int, Field(ge=0, le=127)] = 121  # of this payload; 0: an allocator on the bus gives one
     actuator_id: Annotated[int, Field(ge=0, le=255)] = 1  # ArduPilot counts from 1
     gimbal_id: Annotated[int, Field(ge=0, le=255)] = 0  # for command = "gimbal", instead of actuator_id
-    command: Literal["unitless", "position", "pwm", "gimbal"] = "unitless"
+    command: Literal["unitless", "position", "pwm", "gimbal"] = (
+        "unitless"  # what is sent: a value, an angle, the width of a pulse, or the attitude of a gimbal
+    )
     lower_deg: Degrees = -200.0  # ends of the travel, joint angles
-    upper_deg: Degrees = 200.0
+    upper_deg: Degrees = 200.0  # the other end
     at_lower: float | None = None  # value of the command at lower_deg; absent: -1, or 1000 us
     at_upper: float | None = None  # value of the command at upper_deg; absent: 1, or 2000 us
     feedback: Literal["measured", "model"] = "measured"  # model: for a servo without position in its Status
@@ -35,8 +37,8 @@ class Options(Table):
     resolution_deg: Positive = 0.25  # how near to a goal the servo comes
     lag_ms: Annotated[float, Field(ge=0, le=100)] = 20.0  # by which the servo is late; its set-points lead by so much
     max_lag_deg: Positive = 20.0  # farther behind its set-point, the servo does not follow
-    max_speed_deg_s: Positive = 225.0
-    max_acceleration_deg_s2: Positive = 112.5
+    max_speed_deg_s: Positive = 225.0  # no move is faster; the guard's cap applies, too
+    max_acceleration_deg_s2: Positive = 112.5  # no move accelerates or brakes harder; the guard's cap applies, too
     settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # still for so long is settled
 
     @model_validator(mode="after")

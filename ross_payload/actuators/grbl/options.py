@@ -18,12 +18,14 @@ MIN_SETTING = 1e-6  # least of what must be above 0
 class Options(Table):
     """[actuator.options] of ``grbl``."""
 
-    port: Annotated[str, Field(pattern="^serial:")] = "serial:/dev/ttyUSB0:115200"
+    port: Annotated[str, Field(pattern="^serial:")] = (
+        "serial:/dev/ttyUSB0:115200"  # serial:DEVICE:BAUD or serial:tcp:HOST:PORT
+    )
     axis: Literal["X", "Y", "Z", "A", "B", "C"] = "X"  # whose millimetres are degrees of the array
-    full_steps: Annotated[int, Field(ge=20, le=400, multiple_of=4)] = 200
+    full_steps: Annotated[int, Field(ge=20, le=400, multiple_of=4)] = 200  # of the motor, per turn
     microsteps: Annotated[int, Field(ge=1, le=256)] = 16  # as set on the driver of the motor
     gear_ratio: Positive = 1.0  # turns of the motor per turn of the array
-    max_speed_deg_s: Positive = 225.0
+    max_speed_deg_s: Positive = 225.0  # no move is faster; the guard's cap applies, too
     max_acceleration_deg_s2: Positive = 112.5  # grbl's $120 must not be above
     settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # idle at one place for so long is settled
     zero: Literal["declared", "unknown", "switch"] = "declared"  # declared: the array stands at its zero when opened

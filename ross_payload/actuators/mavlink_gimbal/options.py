@@ -18,9 +18,9 @@ class Options(Table):
     role: Literal["discover", "client", "manager"] = "discover"  # client: of an autopilot; manager: of a bare device
     device_id: Annotated[int, Field(ge=0, le=255)] = 0  # of the gimbal at its manager, 0: the first
     lower_deg: Annotated[Degrees, Field(le=0)] = -200.0  # travel, which the gimbal must have
-    upper_deg: Annotated[Degrees, Field(ge=0)] = 200.0
-    max_speed_deg_s: Positive = 90.0
-    max_acceleration_deg_s2: Positive = 112.5
+    upper_deg: Annotated[Degrees, Field(ge=0)] = 200.0  # the other end
+    max_speed_deg_s: Positive = 90.0  # no set-point is faster; the guard's cap applies, too
+    max_acceleration_deg_s2: Positive = 112.5  # of the set-points; the gimbal has its own besides
     resolution_deg: Annotated[float, Field(gt=0, le=5)] = 0.1  # settled within this of the goal
     settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # at rest at the goal, before that is said
 

@@ -19,19 +19,19 @@ ROUNDING_S = 1e-8  # of a time on the Clock, more than its last digit after a ye
 class Options(Table):
     """[actuator.options] of ``tb6600``; speed and acceleration default to the paper's."""
 
-    port: str = RECORDING
-    full_steps: Annotated[int, Field(ge=20, le=400, multiple_of=4)] = 200
+    port: str = RECORDING  # pulses:lgpio:CHIP:STEP,DIRECTION,ENABLE[,HOME]; the default moves nothing
+    full_steps: Annotated[int, Field(ge=20, le=400, multiple_of=4)] = 200  # of the motor, per turn
     microsteps: Literal[1, 2, 4, 8, 16, 32] = 16  # as set on the module; tables of makers differ
     gear_ratio: Positive = 1.0  # turns of the motor per turn of the array
-    max_speed_deg_s: Positive = 225.0
-    max_acceleration_deg_s2: Positive = 112.5
-    invert_direction: bool = False
+    max_speed_deg_s: Positive = 225.0  # no move is faster; the guard's cap applies, too
+    max_acceleration_deg_s2: Positive = 112.5  # no move accelerates or brakes harder; the guard's cap applies, too
+    invert_direction: bool = False  # the motor turns the other way
     enable_means_off: bool = True  # most modules switch off when ENA is asserted
-    pulse_us: Annotated[float, Field(ge=1, le=1000)] = 10.0
-    direction_setup_us: Annotated[float, Field(ge=1, le=1000)] = 20.0
-    direction_hold_us: Annotated[float, Field(ge=1, le=1000)] = 20.0
-    enable_lead_ms: Annotated[float, Field(ge=0, le=1000)] = 5.0
-    max_pulse_rate_hz: Annotated[float, Field(ge=10, le=200_000)] = 15_000.0
+    pulse_us: Annotated[float, Field(ge=1, le=1000)] = 10.0  # a pulse is high, and low, for so long at least
+    direction_setup_us: Annotated[float, Field(ge=1, le=1000)] = 20.0  # DIRECTION to STEP, at least
+    direction_hold_us: Annotated[float, Field(ge=1, le=1000)] = 20.0  # STEP to DIRECTION, at least
+    enable_lead_ms: Annotated[float, Field(ge=0, le=1000)] = 5.0  # from switching on to the first pulse
+    max_pulse_rate_hz: Annotated[float, Field(ge=10, le=200_000)] = 15_000.0  # pulses come no faster
     ahead_ms: Annotated[float, Field(ge=20, le=100)] = 40.0  # a stop's latency, and the longest pause of the program
     settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # after the last step, for the ringing
     zero: Literal["declared", "unknown", "switch"] = "declared"  # declared: the array stands at its zero when opened
