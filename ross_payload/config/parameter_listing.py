@@ -27,10 +27,23 @@ def listing(config: Config, path: Path) -> Iterator[str]:
     for name, value in values.items():
         if isinstance(value, Table):
             own = {key: origin for (table, key), origin in origins.items() if table == name}
-            yield from ("", f"[{name}]", *_plain(getattr(config, name), dict(value), own))
-        elif isinstance(value, tuple):
-            for row in value:
-                yield from ("", f"[[{name}]]", *_plain(row, dict(row)))
+            plain = {key: each for key, each in value if not _is_rows(each)}
+            yield from ("", f"[{name}]", *_plain(getattr(config, name), plain, own))
+            for key, each in value:
+                yield from _rows(f"{name}.{key}", each)
+        else:
+            yield from _rows(name, value)
+
+
+def _is_rows(value: Any) -> bool:
+    """Whether a value is an array of tables that has any."""
+    return isinstance(value, tuple) and any(isinstance(row, Table) for row in value)
+
+
+def _rows(name: str, value: Any) -> Iterator[str]:
+    """Give the lines of an array of tables; none of anything else."""
+    for row in value if _is_rows(value) else ():
+        yield from ("", f"[[{name}]]", *_plain(row, dict(row)))
 
 
 def _looked_at(path: Path) -> tuple[dict[str, StoredValue], list[str]]:

@@ -311,6 +311,8 @@ def test_the_listing_is_a_file_that_means_the_same(file, tmp_path):
         '[audio]\nsource = "file:a \\"b\\".wav"\nchannels = [2, 0]\n[informed]\nazimuths_deg = [10, -50.5]\n'
         '[actuator]\nkind = "tb6600"\noptions = { "steps per turn" = 200, pins = [1, 2], port = "x" }\n'
         '[[links]]\nurl = "udpout:h:1"\naccept = [255]\n[[links]]\nurl = "udpout:h:2"\n'
+        '[listening]\nsdp_port = 8080\n[[listening.streams]]\nsink = "tcp"\noptions = { port = 5 }\n'
+        '[[listening.streams]]\nsink = "file"\nwhat = "azimuth -40"\noptions = { path = "a.flac" }\n'
     )
     config = from_toml(tmp_path, text)
     assert from_toml(tmp_path, "\n".join(listing(config, file))) == config
