@@ -127,13 +127,16 @@ def test_without_a_zero_nothing_turns_unless_it_may_be_found():
         turned_in(unknown, phone(), PLAN)
 
 
-def test_ctrl_c_brakes_it_and_ends_it():
-    class Interrupts(Watch):
-        def on_input(self, hop):
-            super().on_input(hop)
-            if len(self.joints) == 110:
-                signal.raise_signal(signal.SIGINT)
+class Interrupts(Watch):
+    """Presses Ctrl-C in the turn."""
 
+    def on_input(self, hop):
+        super().on_input(hop)
+        if len(self.joints) == 110:
+            signal.raise_signal(signal.SIGINT)
+
+
+def test_ctrl_c_brakes_it_and_ends_it():
     watch = Interrupts()
     with pytest.raises(Stopped):
         turned_in(scenario(), phone(), PLAN, (watch,))
@@ -161,6 +164,16 @@ def test_a_study_writes_what_became_of_every_array(tmp_path, monkeypatch, capsys
     assert all(abs(row.spacing_error_mm) < 1 and row.polarity_right and row.swap_right for row in rows)
     assert rows[0].spacing_mm != rows[1].spacing_mm
     assert "| S1, noise | 2/2 |" in out
+
+
+def test_ctrl_c_in_a_turn_of_a_study_is_no_traceback(tmp_path, study, monkeypatch):
+    turned = calibration_study.turned_in
+    monkeypatch.setattr(
+        calibration_study, "turned_in", lambda *asked, **more: turned(*asked, observers=(Interrupts(),), **more)
+    )
+    code, out, err = study("--out", tmp_path / "rows.csv", "--settings", "S1", "--sounds", "noise", "--draws", "1")
+    assert (code, out) == (130, "")
+    assert err.strip() == "ross: interrupted"
 
 
 @pytest.fixture

@@ -24,7 +24,7 @@ from ross_payload.angles import wrap
 from ross_payload.atomic_files import replacing
 from ross_payload.calibration.estimate import Calibration, NotCalibrated, calibrate
 from ross_payload.config import validated
-from ross_payload.doctor.calibration_session import TurnPlan
+from ross_payload.doctor.calibration_session import Stopped, TurnPlan
 from ross_payload.errors import ConfigError, OutputError, refused_as, unknown
 from ross_payload.interfaces import Real, Samples
 from ross_sim.scenario import Scenario
@@ -129,7 +129,13 @@ def phone_noise(rng: np.random.Generator) -> Samples:
 
 
 def measured(draw: Draw, talkers: Sequence[TalkerVoice]) -> CalibrationRow:
-    """Calibrate one array."""
+    """Calibrate one array.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When a signal has stopped the turn, as it would anywhere else.
+    """
     rng = np.random.default_rng([draw.seed, draw.number])
     if draw.sound == NOISE:
         noise = phone_noise(rng)
@@ -137,7 +143,10 @@ def measured(draw: Draw, talkers: Sequence[TalkerVoice]) -> CalibrationRow:
     else:
         voice = talkers[draw.number % len(talkers)]
     scenario = scenario_of(draw)
-    heard, world = turned_in(scenario, [voice], PLAN, shaft=StepErrors(rng))
+    try:
+        heard, world = turned_in(scenario, [voice], PLAN, shaft=StepErrors(rng))
+    except Stopped as stopped:
+        raise KeyboardInterrupt from stopped
     speed = scenario.payload.array.speed_of_sound_m_s
     try:
         return _row(draw, calibrate(heard, speed, azimuth=draw.azimuth), world.clock.now())
