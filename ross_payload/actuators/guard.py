@@ -8,6 +8,7 @@ atomic assignment, no lock to hold), and who has made a request looks at it agai
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,14 +22,17 @@ from ross_payload.actuators.guard_checks import (
     checked_rate,
     doubt,
     driver_broke,
+    driver_faults,
     guarded,
     judged_at,
+    reported,
 )
 from ross_payload.actuators.motion_monitor import PARKING, MotionMonitor
 from ross_payload.errors import ActuatorError, ActuatorFault, ConfigError, NotHomed, RossError
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, SharedControl
 
 TURNS_ON, UNKNOWN = "and it still turns after the stop", "and nobody knows whether it stands"
+log = logging.getLogger(__name__)
 
 
 class Guard:
@@ -197,8 +201,15 @@ class Guard:
             self._act(may_park=False)
 
     def __enter__(self) -> Self:
-        """Open the actuator; nothing moves."""
-        self._actuator.__enter__()
+        """Open the actuator; nothing moves.
+
+        Raises
+        ------
+        ActuatorFault
+            When its driver raises what no driver should.
+        """
+        with driver_faults():
+            self._actuator.__enter__()
         self._monitor.opened = self._clock.now()
         self._update_limits()
         if self._unfit:
@@ -209,9 +220,15 @@ class Guard:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Stop and close; idempotent."""
+        """Stop and close; idempotent; errors as of `__enter__`, in the log alone where another one is on its way."""
         self._monitor.forget()
-        self._actuator.__exit__(kind, error, trace)
+        try:
+            with driver_faults(RuntimeError):  # which a clock that stands still raises
+                self._actuator.__exit__(kind, error, trace)
+        except ActuatorFault as fault:
+            if error is None:
+                raise
+            log.warning("while closing the actuator: %s", fault)
 
     # ------------------------------------------------------------------------------------------ requests
 
@@ -257,7 +274,7 @@ class Guard:
 
     def _read(self) -> ActuatorState:
         try:
-            return self._actuator.state()
+            return reported(self._actuator.state())
         except Exception as error:
             return ActuatorState(0.0, 0.0, False, homed=False, healthy=False, time=-math.inf, fault=driver_broke(error))
 
@@ -281,7 +298,7 @@ class Guard:
         try:
             self._actuator.poll(now)
             self._update_limits()
-            state = self._actuator.state()
+            state = reported(self._actuator.state())
         except RossError as error:
             return str(error)
         except Exception as error:  # a bug in a driver must not end its polling: it may still be able to decelerate

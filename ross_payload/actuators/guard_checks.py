@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+from numbers import Real
+from typing import Any
+
+import numpy as np
 
 from ross_payload import config
-from ross_payload.errors import ConfigError, LimitError
+from ross_payload.errors import ActuatorFault, ConfigError, LimitError, RossError
 from ross_payload.interfaces import ActuatorState, Capabilities
 
 LIMIT_TOLERANCE_RAD = 1e-9  # [rad], so that a limit itself is inside the limits
@@ -139,3 +145,50 @@ def driver_broke(error: Exception) -> str:
     "the driver broke: ZeroDivisionError('by zero')"
     """
     return f"the driver broke: {error!r}"
+
+
+def reported(state: Any) -> ActuatorState:
+    """Return what a driver reports, in Python's own numbers.
+
+    Raises
+    ------
+    TypeError
+        When it is no `ActuatorState`, or one of its values has another type; says which.
+
+    Examples
+    --------
+    >>> reported(ActuatorState(1, 0.0, True, True, True, time=7.0)).angle
+    1.0
+    """
+    if not isinstance(state, ActuatorState):
+        raise TypeError(f"expected a state of type ActuatorState, got {type(state).__name__}")
+    numbers = {"angle": state.angle, "rate": state.rate, "time": state.time}
+    truths = {"settled": state.settled, "homed": state.homed, "healthy": state.healthy}
+    if all(type(n) is float for n in numbers.values()) and all(type(t) is bool for t in truths.values()):
+        values: dict[str, Any] = {}  # as nearly always
+    else:
+        for kind, wanted, named in (((bool, np.bool_), "true or false", truths), (Real, "a number", numbers)):
+            for name, value in named.items():
+                if not isinstance(value, kind):
+                    raise TypeError(f"expected {wanted} as {name}, got {value!r}")
+        values = {name: float(n) for name, n in numbers.items()} | {name: bool(t) for name, t in truths.items()}
+    if not isinstance(state.fault, str):
+        raise TypeError(f"expected a text as fault, got {state.fault!r}")
+    return replace(state, **values) if values else state
+
+
+@contextmanager
+def driver_faults(*others: type[Exception]) -> Iterator[None]:
+    """Make an ActuatorFault of whatever a driver raises that no driver should; ``others`` are left alone.
+
+    Raises
+    ------
+    ActuatorFault
+        With what was raised.
+    """
+    try:
+        yield
+    except Exception as error:
+        if isinstance(error, (RossError, *others)):
+            raise
+        raise ActuatorFault(driver_broke(error)) from error

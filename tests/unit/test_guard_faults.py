@@ -2,18 +2,34 @@
 
 from __future__ import annotations
 
+import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
+from typing import Any
 
+import numpy as np
 import pytest
 
 from guard_bench import Device, bench
-from ross_payload.errors import ActuatorFault, LimitError, LinkError
+from ross_payload import config
+from ross_payload.actuators.guard import Guard
+from ross_payload.errors import ActuatorFault, LimitError, LinkError, OutputError
+from ross_payload.interfaces import ActuatorState
+from ross_sim.clock import SimClock
 
 FAST = f"{math.radians(225):.2f}"
 
 
 # ------------------------------------------------------------------------------------------ drivers that raise
+
+NO_STATE = [
+    (None, "expected a state of type ActuatorState, got NoneType"),
+    (ActuatorState(None, 0.0, True, True, True, 0.0), "expected a number as angle, got None"),
+    (ActuatorState(0.0, "0.1", True, True, True, 0.0), "expected a number as rate, got '0.1'"),
+    (ActuatorState(0.0, 0.0, True, True, True, None), "expected a number as time, got None"),
+    (ActuatorState(0.0, 0.0, None, True, True, 0.0), "expected true or false as settled, got None"),
+    (ActuatorState(0.0, 0.0, True, True, False, 0.0, 7), "expected a text as fault, got 7"),
+]
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError("bug"), LinkError("gone"), OSError("pulled")])
@@ -36,6 +52,55 @@ def test_a_driver_whose_state_raises_is_a_fault_in_every_thread() -> None:
     del on.device.raises["state"]
     on.clock.sleep(0.02)
     on.guard.rearm()
+
+
+@pytest.mark.parametrize(("state", "words"), NO_STATE)
+def test_a_driver_that_reports_no_state_is_a_fault_and_a_stop_reaches_it(state: Any, words: str) -> None:
+    on = bench()
+    on.guard.command(1.0)
+    on.device.state = lambda: state  # type: ignore[method-assign]
+    on.guard.stop()
+    assert on.device.asked == [f"go 1.00 at {FAST}", "stop"]
+    assert words in on.guard.state().fault
+    on.clock.sleep(0.1)  # nor does polling end
+    assert on.device.asked[-1] == "stop"
+    assert words in on.guard.state().fault
+
+
+def test_numbers_of_numpy_in_a_report_become_those_of_python() -> None:
+    on = bench()
+    told = ActuatorState(np.float32(0.5), np.int64(0), np.bool_(True), True, True, np.float64(0.05))
+    on.device.state = lambda: told  # type: ignore[method-assign]
+    assert json.dumps(asdict(on.guard.state())).startswith('{"angle": 0.5, "rate": 0.0, "settled": true, ')
+
+
+def test_a_driver_that_raises_while_it_is_opened_or_closed_is_a_fault() -> None:
+    class Lost(Device):
+        def __enter__(self) -> Device:
+            raise OSError("no such device")
+
+        def __exit__(self, *_: object) -> None:
+            raise OSError("pulled")
+
+    guard = Guard(Lost(), config.Guard(), SimClock())
+    with pytest.raises(ActuatorFault, match=r"^the driver broke: OSError\('no such device'\)$"):
+        guard.__enter__()
+    with pytest.raises(ActuatorFault, match=r"^the driver broke: OSError\('pulled'\)$"):
+        guard.__exit__(None, None, None)
+
+
+def test_what_a_driver_raises_while_it_is_closed_hides_no_other_error(caplog: pytest.LogCaptureFixture) -> None:
+    class Lost(Device):
+        def __exit__(self, *_: object) -> None:
+            raise OSError("pulled")
+
+    def fail() -> None:
+        with Guard(Lost(), config.Guard(), SimClock()):
+            raise OutputError("the disk is full")
+
+    with pytest.raises(OutputError, match="the disk is full"):
+        fail()
+    assert "while closing the actuator: the driver broke: OSError('pulled')" in caplog.text
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError("bug"), LinkError("gone")])
