@@ -47,7 +47,7 @@ def load(group: str, name: str) -> Any:
         return points[name].load()
     except ModuleNotFoundError as error:
         raise PluginError(_missing(name, error)) from error
-    except Exception as error:  # a broken plug-in must not take the others with it
+    except (Exception, SystemExit) as error:  # a broken plug-in must not take the others with it
         raise PluginError(f"plug-in '{name}' ({points[name].value}) is broken: {error!r}") from error
 
 

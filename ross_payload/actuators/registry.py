@@ -13,7 +13,7 @@ from typing import Any
 
 from ross_payload import config, plugins
 from ross_payload.actuators.guard import Guard
-from ross_payload.errors import ConfigError, PluginError
+from ross_payload.errors import ConfigError, PluginError, RossError
 from ross_payload.interfaces import Backend, Services
 
 GROUP = "ross_payload.actuators"
@@ -40,12 +40,17 @@ def open_actuator(settings: config.Config, services: Services) -> Guard:
         When the back end is unknown or broken, an option is wrong, the limits exclude all of its travel, or too little
         is left to explore without a pause.
     """
-    backend = _backend(settings.actuator.kind)
-    actuator = backend.open(checked_options(settings), services)
-    guard = Guard(actuator, settings.guard, services.clock)
+    kind = settings.actuator.kind
+    backend, options = _backend(kind), checked_options(settings)
+    try:
+        guard = Guard(backend.open(options, services), settings.guard, services.clock)
+    except RossError:
+        raise
+    except Exception as error:  # of a plug-in: it may raise anything
+        raise PluginError(f"actuator '{kind}': open raised {error!r}") from error
     travel = math.degrees(guard.capabilities.upper - guard.capabilities.lower)
     if settings.explore.continuous and travel < config.LEAST_TRAVEL_DEG - ROUNDING_DEG:
-        kind, least = settings.actuator.kind, config.LEAST_TRAVEL_DEG
+        least = config.LEAST_TRAVEL_DEG
         raise ConfigError(f"explore.continuous: expected {kind} to turn at least {least:g} deg, got {travel:g}")
     return guard
 

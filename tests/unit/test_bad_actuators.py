@@ -10,6 +10,9 @@ from pathlib import Path
 import pytest
 
 from command_line import called
+from ross_payload.config import load
+from ross_payload.errors import PluginError
+from ross_sim.devices.far_end import far_end_of
 
 CAN = '[actuator]\nkind = "{kind}"\noptions = {{ port = "{port}"{more} }}\n'
 
@@ -87,18 +90,52 @@ def test_a_line_that_this_user_may_not_open_is_named(
     assert str(line) in said
 
 
+def installed(name: str, module: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Install a package of others: a back end and its far end of this name in a module; the file that names it."""
+    info = folder / f"{name}-1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1\n")
+    points = f"[ross_payload.actuators]\n{name} = {name}:backend\n[ross_sim.far_ends]\n{name} = {name}:far_end\n"
+    (info / "entry_points.txt").write_text(points)
+    (folder / f"{name}.py").write_text(module)
+    monkeypatch.syspath_prepend(folder)
+    return written(folder, f'[actuator]\nkind = "{name}"\n')
+
+
 def test_a_back_end_without_its_extra_names_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    info = tmp_path / "lacking-1.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: lacking\nVersion: 1\n")
-    (info / "entry_points.txt").write_text("[ross_payload.actuators]\nlacking = lacking:backend\n")
-    (tmp_path / "lacking.py").write_text("raise ModuleNotFoundError('x', name='can')\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    file = written(tmp_path, '[actuator]\nkind = "lacking"\n')
+    file = installed("lacking", "raise ModuleNotFoundError('x', name='can')\n", tmp_path, monkeypatch)
     code, line = ross(monkeypatch, capsys, "actuators", "probe", file)
     assert (code, "pip install 'python-can>=" in line) == (2, True), line
+
+
+RAISING = """
+from ross_payload.config import Table
+class backend:
+    class Config(Table):
+        pass
+    def open(*_):
+        raise KeyError("resolution")
+class far_end:
+    def make(*_):
+        raise KeyError("friction")
+"""
+
+
+@pytest.mark.parametrize("command", [("actuators", "probe"), ("config", "check")])
+def test_a_back_end_that_raises_is_named(
+    command: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = installed("raising", RAISING, tmp_path, monkeypatch)
+    code, line = ross(monkeypatch, capsys, *command, file)
+    assert (code, "actuator 'raising': open raised KeyError('resolution')" in line) == (2, True), line
+
+
+def test_a_far_end_that_raises_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    config = load(installed("toppling", RAISING, tmp_path, monkeypatch))
+    with pytest.raises(PluginError, match=r"^far end 'toppling': make raised KeyError\('friction'\)$"):
+        far_end_of(config)
 
 
 def test_the_gimbal_of_an_autopilot_is_not_shown_as_our_own(

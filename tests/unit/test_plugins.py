@@ -60,3 +60,12 @@ def test_an_environment_without_pip_is_written_by_that_of_the_system(monkeypatch
     monkeypatch.setattr(plugins.shutil, "which", lambda name: None)
     monkeypatch.setattr(plugins.sys, "executable", "/opt/ross/bin/python")
     assert plugins.install_line("serial").startswith("python3 -m pip --python /opt/ross/bin/python install '")
+
+
+def test_a_plugin_that_exits_while_it_is_imported_is_broken_and_hurts_no_other(points, monkeypatch, tmp_path):
+    (tmp_path / "leaving_module.py").write_text("import sys\nsys.exit('no licence')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    points(leaving="leaving_module:x", good="math:tau")
+    with pytest.raises(PluginError, match=r"plug-in 'leaving' .* is broken: SystemExit\('no licence'\)"):
+        plugins.load("ross_payload.things", "leaving")
+    assert plugins.load("ross_payload.things", "good") == pytest.approx(6.283185307)

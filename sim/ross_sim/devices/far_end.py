@@ -13,6 +13,7 @@ import numpy as np
 from ross_payload import plugins
 from ross_payload.actuators.registry import checked_options
 from ross_payload.config import Config
+from ross_payload.errors import PluginError, RossError
 from ross_payload.interfaces import Clock, Port
 from ross_payload.transport.ports import Counts
 
@@ -103,8 +104,14 @@ def far_end_of(config: Config) -> FarEnd:
         When there is none, or an option is wrong.
     """
     options = checked_options(config)
-    plugin: FarEndPlugin = plugins.load("ross_sim.far_ends", config.actuator.kind)
-    return plugin.make(options)
+    kind = config.actuator.kind
+    plugin: FarEndPlugin = plugins.load("ross_sim.far_ends", kind)
+    try:
+        return plugin.make(options)
+    except RossError:
+        raise
+    except Exception as error:  # of a plug-in: it may raise anything
+        raise PluginError(f"far end '{kind}': make raised {error!r}") from error
 
 
 def checked(fault: Fault, faults: frozenset[Fault]) -> Fault:
