@@ -274,6 +274,43 @@ def test_ctrl_c_in_the_middle_of_a_move_decelerates_and_closes_the_files(short, 
     assert last["event"] == "Finished"
 
 
+ENDLESS = """
+class Endless:
+    name = "endless"
+    def batch(self, spectrogram, scene):
+        print("computing", flush=True)
+        while True:
+            pass
+separator = Endless()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_second_signal_ends_a_mission_whose_plug_in_computes_for_ever(number, short, tmp_path):
+    package, out = tmp_path / "package", tmp_path / "out"
+    (package / "endless-1.dist-info").mkdir(parents=True)
+    points = "[ross_payload.separators]\nendless = endless:separator\n"
+    (package / "endless-1.dist-info" / "entry_points.txt").write_text(points)
+    (package / "endless.py").write_text(ENDLESS)
+    short.write_text(PAIR)
+    options = ["--scenario", short, "--informed", "--separator", "endless", "--out", out]
+    command = [sys.executable, "-m", "ross_payload.cli", "sitl", *map(str, options)]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(package), os.environ.get("PYTHONPATH", "")])}
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+    ) as process:
+        try:
+            assert any(line == "computing\n" for line in process.stdout), process.stderr.read()
+            for _ in range(2):
+                process.send_signal(number)
+                time.sleep(0.2)
+            _, err = process.communicate(timeout=30)
+        finally:
+            process.kill()
+    assert (process.returncode, err.strip()) == (130, "ross: interrupted")
+    assert not out.exists()
+
+
 def test_limits_that_exclude_every_alignment_end_cleanly(mission, short):
     short.write_text(PAIR + "\n[payload.guard]\nlower_deg = -1.0\nupper_deg = 1.0\n")
     code, said, report = mission("--scenario", short)

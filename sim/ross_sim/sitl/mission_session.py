@@ -90,6 +90,8 @@ def perform(
 
     Raises
     ------
+    KeyboardInterrupt
+        When a second signal to end comes before the first one has stopped the mission; there are no results then.
     OutputError
         When results, the recording or a stream could not be written.
     """
@@ -101,7 +103,7 @@ def perform(
             stack, scenario, company, view, out, speed=speed, record=record, page=page, tracker=tracker, cache=cache
         )
         ready = wall.now()
-        with on_signal(lambda _: staged.runner.order(Stop())):
+        with on_signal(_stopping(staged.runner)):
             result = staged.runner.run()
         staged.listening.close()
         _expect_whole(staged.listening)
@@ -122,6 +124,23 @@ def perform(
         timing["results_s"] = wall.now() - done
         out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
     return Finished(result, values, timing, staged.cost, tuple(complaints))
+
+
+def _stopping(runner: Runner) -> Callable[[str], None]:
+    """Return what a signal to end does: the first stops the mission at its next hop, any other ends all at once.
+
+    A plug-in may compute for ever.
+    """
+    asked = False
+
+    def stop(name: str) -> None:
+        nonlocal asked
+        if asked:
+            raise KeyboardInterrupt
+        asked = True
+        runner.order(Stop())
+
+    return stop
 
 
 @dataclass(frozen=True, slots=True)
