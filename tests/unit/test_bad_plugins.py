@@ -28,7 +28,7 @@ from ross_sim.study.study_design import Task, chosen
 from ross_sim.study.talker_placement import Source
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 from session_bench import Bench, make
-from short_mission import SHORT
+from short_mission import ALONE, SHORT
 
 STFT = Stft(SETTINGS.rate, 256, 64)
 
@@ -314,6 +314,16 @@ def test_a_simulated_mission_ends_with_one_line_and_exit_code_1(installed, monke
     )
     assert (code, err) == (1, "")
     assert json.loads(out)["reason"] == "separator 'theirs': batch: expected Groups, got NoneType"
+
+
+def test_what_a_plugin_prints_is_kept_out_of_the_report_as_json(installed, monkeypatch, capsys, tmp_path):
+    text = "class A:\n    name = 'a'\n    def batch(self, spectrogram, scene): print('debugging')\nplugin = A()"
+    installed(text)
+    (tmp_path / "short.toml").write_text(ALONE)
+    options = ("--scenario", tmp_path / "short.toml", "--separator", "theirs", "--informed", "--json")
+    code, out, err = called(monkeypatch, capsys, "sitl", *options)
+    assert (code, err) == (1, "debugging\n")
+    assert json.loads(out)["outcome"] == "fault"
 
 
 ALIGNED = Task("S1", 2, 0, target=0)

@@ -137,7 +137,8 @@ def _run(
     as_json: bool,
 ) -> int:
     """Perform or serve what is wanted, and return the exit code."""
-    from contextlib import nullcontext
+    import sys
+    from contextlib import nullcontext, redirect_stdout
 
     from ross_sim.sitl.mission_session import expected, perform
     from ross_sim.sitl.mission_view import showing_streams, view_of, waiting
@@ -168,7 +169,8 @@ def _run(
                     kept, always = _kept(record), record is not None
                     serve(chosen, company, view, out=folder, speed=speed, recordings=kept, always=always)
                     return 0
-                finished = perform(chosen, company, view, folder, speed, record=record, page=looking)
+                with redirect_stdout(sys.stderr) if as_json else nullcontext():  # a plug-in may print
+                    finished = perform(chosen, company, view, folder, speed, record=record, page=looking)
         finally:
             view.close()
     show(finished, out, as_json)
