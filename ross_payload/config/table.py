@@ -18,6 +18,7 @@ from ross_payload.errors import ConfigError, near, shown
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Degrees = Annotated[float, Field(allow_inf_nan=False)]
 Model = TypeVar("Model", bound=BaseModel)
+KIND = re.compile(r".*\[.*|(constrained-)?(bool|float|int|str)")  # among several, in pydantic's path to a value
 BEGINNINGS = {"be": "expected ", "have": "expected "}
 WORDS = {
     "greater": "a number greater",
@@ -98,7 +99,7 @@ def validated(model: type[Model], values: Any, where: str) -> Model:
 def _explain(error: ValidationError, model: type[BaseModel]) -> str:
     errors = sorted(error.errors(), key=lambda each: each["type"] != "extra_forbidden")  # a misspelt key first
     first, others = errors[0], len(errors) - 1
-    key = ".".join(str(part) for part in first["loc"])
+    key = ".".join(str(part) for part in first["loc"] if not KIND.fullmatch(str(part)))
     more = f"; and {others} more" if others else ""
     if first["type"] == "extra_forbidden":
         return f"unknown key {shown(key)}{near(str(first['loc'][-1]), _keys(model, first['loc'][:-1]))}{more}"

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.resources import files
 from itertools import pairwise
@@ -91,6 +93,12 @@ class Trouble(Table):
     at_s: Seconds
     end_s: Positive | None = None  # absent: never
 
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.end_s is not None and self.end_s <= self.at_s:
+            raise ValueError(f"end_s: expected a time after at_s = {self.at_s:g}, got {self.end_s:g}")
+        return self
+
 
 class Scenario(Table):
     """The whole file."""
@@ -115,10 +123,15 @@ class Scenario(Table):
     def _possible(self) -> Self:
         try:
             self.spec()
-            self.spec_of_noise()
-            for talker, walk in zip(self.talkers, self.walks(), strict=True):
+            with _named([f"noise source '{source.name}'" for source in self.noise.of("place")]):
+                self.spec_of_noise()
+            for index, (talker, walk) in enumerate(zip(self.talkers, self.walks(), strict=True)):
                 if talker.path:
-                    self.spec_of(walk)
+                    with _named([f"talkers.{index}.path"] * walk.n_nodes):
+                        self.spec_of(walk)
+                if talker.end_s is not None and talker.end_s <= self.start(talker):
+                    begins = f"{self.start(talker):g} s, when the talker begins"
+                    raise ConfigError(f"talkers.{index}.end_s: expected a time after {begins}, got {talker.end_s:g}")
         except ConfigError as error:
             raise ValueError(str(error)) from error
         return self
@@ -310,6 +323,15 @@ def _find(wanted: str | int, voices: Sequence[TalkerVoice]) -> TalkerVoice:
         if voice.name == wanted:
             return voice
     raise ConfigError(unknown("voice", wanted, [voice.name for voice in voices]))
+
+
+@contextmanager
+def _named(sources: Sequence[str]) -> Iterator[None]:
+    """Call each source of a room by its name where something is wrong with it."""
+    try:
+        yield
+    except ConfigError as error:
+        raise ConfigError(re.sub(r"^source (\d+)", lambda found: sources[int(found[1])], str(error))) from error
 
 
 def _names(voices: Sequence[TalkerVoice]) -> str:

@@ -87,6 +87,28 @@ def test_azimuths_are_wrapped():
         ({"talkers": [], "room": {"size_m": [10, 10], "t60_s": 0.01}}, "t60 = 0.01 s is too short"),
         ({"talkers": [], "rooms": {}}, "unknown key 'rooms'"),
         ({}, "talkers"),
+        ({"talkers": [], "room": {"size_m": [6, 6, 3], "t60_s": 5}}, "t60 = 5 s is too long for a room of 6 x 6 x 3 m"),
+        ({"talkers": [], "room": {"size_m": [6]}}, r"room\.size_m\.1: expected a value, got none"),
+        ({"talkers": [], "target": -1}, "toml: target: expected a valid string, got -1"),
+        (
+            {"talkers": [{"azimuth_deg": 0, "path": [{"at_s": 1, "azimuth_deg": 1, "distance_m": 7}]}]},
+            r"talkers\.0\.path: expected a place inside the room of 10 x 10 m",
+        ),
+        (
+            {
+                "talkers": [{"azimuth_deg": 0}],
+                "noise": {"sources": [{"name": "fan", "azimuth_deg": 0, "distance_m": 7, "snr_db": 9}]},
+            },
+            "noise source 'fan': expected a place inside the room",
+        ),
+        (
+            {"talkers": [{"azimuth_deg": 0}, {"azimuth_deg": 9, "end_s": 1}]},
+            r"talkers\.1\.end_s: expected a time after 2 s, when the talker begins, got 1",
+        ),
+        (
+            {"talkers": [], "troubles": [{"fault": "silent", "at_s": 30, "end_s": 10}]},
+            r"troubles\.0: end_s: expected a time after at_s = 30, got 10",
+        ),
     ],
 )
 def test_wrong_file_is_refused_in_one_line(tmp_path, values, message):

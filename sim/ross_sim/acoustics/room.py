@@ -22,6 +22,7 @@ Real = NDArray[np.floating[Any]]
 PYROOMACOUSTICS = version("pyroomacoustics")  # needed here; imported when a room is computed, which takes a second
 CLEARANCE = 0.2  # [m], nearest a source may come to the centre of the array
 WALL = 0.01  # [m], nearest anything may come to a wall
+MOST_IMAGES = 10_000_000  # of one source: each takes some 120 bytes while a room is computed
 SPEED_OF_SOUND = 343.0  # [m/s]
 SINC = 81  # taps of a fractional delay; every response starts SINC // 2 samples late
 _ONE_AT_A_TIME = threading.Lock()  # a room that is kept has one array, and the library's constants are everybody's
@@ -146,7 +147,26 @@ def _walls(spec: RoomSpec) -> tuple[float, int]:
             f"t60 = {spec.t60:g} s is too short for a room of {_text(spec.size)} m: even walls that absorb "
             "everything would ring longer by Sabine's formula; use a longer T60, a smaller room, or 0 for no walls"
         ) from error
+    images = n_images(max(order, 0), len(spec.size))
+    if images > MOST_IMAGES:
+        raise ConfigError(
+            f"t60 = {spec.t60:g} s is too long for a room of {_text(spec.size)} m: expected at most "
+            f"{MOST_IMAGES / 1e6:g} million reflections, got {images / 1e6:.1f}; use a shorter T60 or a larger room"
+        )
     return float(absorption), max(order, 0)
+
+
+def n_images(order: int, dimensions: int) -> int:
+    """How many images of a source a shoebox has up to an order, the source among them: points of a grid (Allen, 1979).
+
+    In a plane one source, and four more at the next order:
+
+    >>> n_images(0, 2), n_images(1, 2), n_images(1, 3)
+    (1, 5, 7)
+    """
+    if dimensions == 2:
+        return 2 * order * (order + 1) + 1
+    return (2 * order + 1) * (2 * order * (order + 1) + 3) // 3
 
 
 @contextmanager
