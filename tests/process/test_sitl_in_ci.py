@@ -160,6 +160,15 @@ def test_a_payload_that_the_script_ends_while_it_starts_has_not_ended_by_itself(
     assert (flown.returncode, flown.stderr) == (1, "no such room\n")
 
 
+def test_a_payload_that_does_not_end_is_killed(tmp_path, environment):
+    """As one whose plug-in computes for ever."""
+    (tmp_path / "ross").write_text("#!/bin/sh\ntrap '' TERM\ntouch started\nwhile true; do sleep 0.1; done\n")
+    program = tmp_path / "program.py"
+    program.write_text("import time\nfrom pathlib import Path\nwhile not Path('started').exists(): time.sleep(0.05)\n")
+    flown = fly(tmp_path, environment | {"GRACE": "1"}, "demo", program)
+    assert (flown.returncode, flown.stderr) == (1, "the payload did not end within 1 s and was killed\n")
+
+
 def test_the_action_hands_every_input_on():
     text = (CI / "action.yml").read_text()
     inputs = re.findall(r"^  (\w+):$", text.partition("runs:")[0], re.M)

@@ -6,7 +6,7 @@
 # once telemetry can be received at URL. Environment:
 #   ROSS    command of RoSS (ross)           PYTHON  interpreter that has ross_payload (python3)
 #   SPEED   times real time (4)              OUT     folder for the payload's log and the ground truth (out/flight)
-#   SEED    of everything random (0)
+#   SEED    of everything random (0)          GRACE   seconds in which the payload has to end (30)
 set -eu
 [ $# -ge 2 ] || { echo "expected SCENARIO PROGRAM, got: $*" >&2; exit 2; }
 scenario=$1 program=$2
@@ -28,9 +28,14 @@ trap 'kill -TERM "$payload" 2> /dev/null; wait "$payload"; exit 130' INT TERM
 status=0
 "$python" "$program" "udpin:127.0.0.1:$port" "$scenario" "$@" || status=$?
 kill -TERM "$payload" 2> /dev/null || true
-ended=0
+(sleep "${GRACE:-30}" && kill -KILL "$payload") > /dev/null 2>&1 &  # one whose plug-in never returns does not end
+killer=$! ended=0
 wait "$payload" 2> /dev/null || ended=$?  # the shell says "Terminated" there
-if [ "$ended" -ne 0 ] && [ "$ended" -ne 130 ] && [ "$ended" -ne 143 ]; then  # 143: SIGTERM came while it started
+kill "$killer" 2> /dev/null || true
+if [ "$ended" -eq 137 ]; then
+  echo "the payload did not end within ${GRACE:-30} s and was killed" >&2
+  [ "$status" -ne 0 ] || status=1
+elif [ "$ended" -ne 0 ] && [ "$ended" -ne 130 ] && [ "$ended" -ne 143 ]; then  # 143: SIGTERM came while it started
   echo "the payload ended by itself, with exit code $ended; its log says:" >&2
   tail -n 5 "$out/payload.log" >&2
   [ "$status" -ne 0 ] || status=1
