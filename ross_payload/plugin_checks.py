@@ -116,8 +116,8 @@ class CheckedLiveSeparator:
         return _called(self._who, "start", lambda: self._separator.start(scene))
 
     def step(self, state: Any, frame: Complex, scene: Scene) -> tuple[Any, Groups]:
-        """Hear one frame (2, n_freqs)."""
-        returned = _called(self._who, "step", lambda: self._separator.step(state, frame, scene))
+        """Hear one frame (2, n_freqs), of which the plug-in gets a copy: others hear it, too."""
+        returned = _called(self._who, "step", lambda: self._separator.step(state, frame.copy(), scene))
         if not isinstance(returned, tuple) or len(returned) != len(("state", "groups")):
             raise PluginError(f"{self._who}: step: expected a state and groups, got {type(returned).__name__}")
         state, groups = returned

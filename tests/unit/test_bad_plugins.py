@@ -19,9 +19,9 @@ from ross_payload.config import Config, validated
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import PluginError
 from ross_payload.events import Answer, Estimate, Finished, Outcome, SourceEstimate, State, StateChanged
-from ross_payload.interfaces import Observation, Quality, Scene
+from ross_payload.interfaces import Groups, Observation, Quality, Scene
 from ross_payload.orders import Explore, Seek
-from ross_payload.plugin_checks import CheckedSeparator, checked_explorer, load_separator
+from ross_payload.plugin_checks import CheckedLiveSeparator, CheckedSeparator, checked_explorer, load_separator
 from ross_payload.service.assemble import explorer_of
 from ross_sim.study.study_case import Failure, attempt
 from ross_sim.study.study_design import Task, chosen
@@ -188,6 +188,19 @@ def test_numbers_of_numpy_and_lists_become_those_of_python():
     seen = Observation(np.float32(0.5), np.zeros(1), np.ones(1), np.int64(2), peaks=np.array([0.25], np.float32))
     heard = checked_explorer("theirs", lambda: Observes(seen)).observe(spectrogram, scene.frequencies, 0.5, None)
     assert json.dumps([heard.heading, heard.weight, heard.peaks]) == "[0.5, 2.0, [0.25]]"
+
+
+def test_a_live_separator_that_writes_into_its_frame_changes_it_for_nobody_else():
+    def step(state, frame, scene):
+        frame *= 0.0
+        return state, Groups(frame[:1, :, None], ((0,),), "theirs")
+
+    scene = Scene(np.arange(5.0), 0.05, 343.0, 1, np.zeros(1))
+    frame = np.ones((2, 5), np.complex64)
+    theirs = CheckedLiveSeparator("theirs", SimpleNamespace(name="theirs", lookahead=1, step=step))
+    _, separated = theirs.step(None, frame, scene)
+    assert not separated.signals.any()
+    assert frame.all()
 
 
 def test_a_good_plug_in_is_left_alone_however_slow():
