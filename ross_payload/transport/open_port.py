@@ -43,7 +43,7 @@ def open_port(
 def _opened(address: Address, now: Callable[[], float], patient: bool, options: PortOptions) -> OpenPort:
     match address:
         case Udp(listen=True):
-            return UdpServer(open_udp(address))
+            return UdpServer(open_udp(address), now)
         case Udp():
             return UdpPeer(address, now, None if patient else open_udp(address), options)
         case Tcp(listen=True):

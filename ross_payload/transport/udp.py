@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import select
 import socket
 import struct
@@ -25,6 +26,7 @@ REPORT = struct.Struct("=IB11x")  # the begin of sock_extended_err: which error,
 BY_NETWORK = (2, 3)  # SO_EE_ORIGIN_ICMP and _ICMP6
 REPORT_BYTES = 512  # of what comes with one report
 ATTEMPTS = 3  # to send one datagram, when what the system reports is about others
+SILENT_S = 5.0  # without a word of a peer: anybody can write a report about one that is still there [s]
 ALL_BYTES = MAX_DATAGRAMS * MAX_DATAGRAM_BYTES  # of one call, where what strangers say is thrown away unread
 
 
@@ -131,14 +133,22 @@ class UdpPeer:
 class UdpServer:
     """Datagrams to everybody heard from or, where admission is required, to those admitted.
 
-    A peer whose computer answers that no program has its port is sent nothing until it is heard again.
+    A silent peer whose computer answers that no program has its port is sent nothing until it is heard again.
+
+    Parameters
+    ----------
+    sock
+        Bound.
+    now
+        Tells the time [s].
     """
 
     connected = False
 
-    def __init__(self, sock: socket.socket) -> None:
+    def __init__(self, sock: socket.socket, now: Callable[[], float]) -> None:
         self._socket = sock
-        self._peers: dict[ports.Peer, None] = {}  # the latest heard from is last
+        self._now = now
+        self._peers: dict[ports.Peer, float] = {}  # when it was heard [s]; the latest is last
         self._admission = False
         self.counts = ports.Counts()
         for level, option in REPORTS:
@@ -168,7 +178,7 @@ class UdpServer:
             try:
                 self._socket.sendto(frame, peer)
             except OSError as error:
-                if left and self._read_reports():  # it was about an earlier datagram; this one was not sent
+                if left and not isinstance(error, BlockingIOError):  # about an earlier datagram; this one was not sent
                     continue
                 self.counts = ports.with_failure(self.counts, error)
             else:
@@ -188,7 +198,7 @@ class UdpServer:
     def admit(self, peer: ports.Peer) -> None:
         """Answer a peer; the one unheard for longest makes room."""
         self._peers.pop(peer, None)
-        self._peers[peer] = None
+        self._peers[peer] = self._now()
         if len(self._peers) > ports.MAX_PEERS:
             del self._peers[next(iter(self._peers))]
 
@@ -199,16 +209,15 @@ class UdpServer:
         """Close the socket."""
         self._socket.close()
 
-    def _read_reports(self) -> bool:
-        """Forget the peers at whose ports nobody listens; tell whether the system had anything to report."""
-        for number in range(MAX_DATAGRAMS):
+    def _read_reports(self) -> None:
+        """Forget the silent peers at whose ports nobody listens."""
+        for _ in range(MAX_DATAGRAMS):
             try:
                 _, control, _, peer = self._socket.recvmsg(0, REPORT_BYTES, socket.MSG_ERRQUEUE)
             except OSError:
-                return number > 0
-            if _nobody_listens(control):
-                self._peers.pop(peer, None)
-        return True
+                return
+            if _nobody_listens(control) and self._now() - self._peers.get(peer, math.inf) > SILENT_S:
+                del self._peers[peer]
 
     def _arrived(self, max_bytes: int) -> list[tuple[ports.Peer, bytes]]:
         self._read_reports()
@@ -253,14 +262,16 @@ def _received(
     """Read datagrams until they are ``max_bytes`` or more; return them, and what is counted then."""
     found: list[tuple[ports.Peer, bytes]] = []
     size = 0
-    while size < max_bytes and len(found) < MAX_DATAGRAMS:
+    for _ in range(MAX_DATAGRAMS):
+        if size >= max_bytes:
+            break
         try:
             data, peer = sock.recvfrom(MAX_DATAGRAM_BYTES)
         except BlockingIOError:
             break
-        except OSError as error:  # an earlier datagram found nobody
+        except OSError as error:  # an earlier datagram found nobody; what has arrived waits behind the news
             counts = ports.with_failure(counts, error)
-            break
+            continue
         found.append((peer, data))
         size += len(data)
     return found, replace(counts, received=counts.received + size, trouble="" if found else counts.trouble)

@@ -2,16 +2,18 @@
 
 import socket
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing, suppress
 
 import pytest
 
+from clocks import LeapingClock
 from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.errors import LinkError
 from ross_payload.mavlink import LinkStatus, Received, Router
 from ross_payload.transport.open_port import open_port
+from ross_payload.transport.udp import MAX_DATAGRAMS, SILENT_S
 from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.values import Health, Heartbeat
 from waiting import wait_for
@@ -20,8 +22,8 @@ BEAT = Heartbeat(Health.ACTIVE, 6)
 FRAME = Encoder(255, 190).encode(BEAT)
 
 
-def links_to(*urls: str, patient: bool = False) -> Router:
-    return Router.open([Link(url=url) for url in urls], SystemClock(), patient=patient)
+def links_to(*urls: str, clock: SystemClock | None = None, patient: bool = False) -> Router:
+    return Router.open([Link(url=url) for url in urls], clock or SystemClock(), patient=patient)
 
 
 class Ear:
@@ -135,9 +137,9 @@ def test_udpin_answers_a_bounded_number_of_peers() -> None:
 def test_udpin_sends_nothing_more_to_where_nobody_listens_any_more_until_it_speaks_again(
     host: str, family: int
 ) -> None:
-    port = free_port()
+    port, clock = free_port(), LeapingClock()
     bracketed = f"[{host}]" if ":" in host else host
-    with links_to(f"udpin:{bracketed}:{port}") as links, ExitStack() as stack:
+    with links_to(f"udpin:{bracketed}:{port}", clock=clock) as links, ExitStack() as stack:
 
         def peer(at: int = 0) -> socket.socket:
             sock = stack.enter_context(socket.socket(family, socket.SOCK_DGRAM))
@@ -160,6 +162,7 @@ def test_udpin_sends_nothing_more_to_where_nobody_listens_any_more_until_it_spea
         for _ in range(20):
             component.send(BEAT)
             assert hears(quiet), "what the other one is refused takes nothing from it"
+        clock.ahead += 2 * SILENT_S
         links.poll()
         again = peer(where)
         component.send(BEAT)
@@ -169,6 +172,57 @@ def test_udpin_sends_nothing_more_to_where_nobody_listens_any_more_until_it_spea
         component.send(BEAT)
         assert (hears(again), hears(quiet)) == (True, True)
         assert (status(links).dropped, status(links).error) == (0, "")
+
+
+def test_udpin_goes_on_sending_to_who_was_heard_lately_whatever_is_reported_of_it() -> None:
+    """Nothing proves who wrote an ICMP message: ten a second would keep a station from all telemetry."""
+    port = free_port()
+    with links_to(f"udpin:127.0.0.1:{port}") as links, ExitStack() as stack:
+        first = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+        first.sendto(FRAME, ("127.0.0.1", port))
+        links.poll()
+        where = first.getsockname()[1]
+        first.close()
+        links.component(191).send(BEAT)  # is refused
+        links.poll()
+        again = stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+        again.bind(("127.0.0.1", where))
+        again.settimeout(1.0)
+        links.component(191).send(BEAT)
+        assert again.recv(2048)
+
+
+def test_udpin_sends_to_everybody_while_what_is_reported_of_one_finds_no_room() -> None:
+    """Reports lie in the buffer for what arrives: when it is full, the system tells the error alone."""
+    where = ("127.0.0.1", free_port())
+    with ExitStack() as stack:
+        port = stack.enter_context(closing(open_port(f"udpin:127.0.0.1:{where[1]}", SystemClock().now)))
+        port._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        gone, here, loud = [stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(3)]
+        for peer in (gone, here):
+            peer.sendto(FRAME, where)
+            port.receive()
+        gone.close()
+        for _ in range(100):
+            loud.sendto(bytes(1000), where)
+        here.settimeout(1.0)
+        for _ in range(3):
+            port.send(FRAME)
+            assert here.recv(2048) == FRAME
+
+
+def test_udpin_hears_what_has_arrived_behind_more_reports_than_it_reads_at_once() -> None:
+    where = ("127.0.0.1", free_port())
+    with (
+        closing(open_port(f"udpin:127.0.0.1:{where[1]}", SystemClock().now)) as port,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station,
+    ):
+        station.sendto(FRAME, where)
+        nobody = ("127.0.0.1", free_port())
+        for _ in range(3 * MAX_DATAGRAMS):
+            with suppress(ConnectionRefusedError):  # every second one
+                port._socket.sendto(FRAME, nobody)
+        assert port.receive() == [FRAME]
 
 
 def test_udpin_listens_on_the_loopback_only() -> None:
