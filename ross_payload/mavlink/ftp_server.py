@@ -226,6 +226,7 @@ class FtpServer:
         if request.size > MOST:
             return _refused(request, Error.INVALID_DATA_SIZE)
         if in_memory:
+            self._sessions.move_to_end(key)
             return self._portion(session, session.content, request)
         if request not in session.reads and len(session.reads) < MOST_READS:
             session.reads.append(request)  # in the time of its link

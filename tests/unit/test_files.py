@@ -10,7 +10,7 @@ from pymavlink import mavftp
 
 from ross_payload.config.parameter_table import TABLE
 from ross_payload.mavlink.component_info import GENERAL, PARAMETERS, files, metadata_message
-from ross_payload.mavlink.ftp_server import FtpServer
+from ross_payload.mavlink.ftp_server import SESSIONS, FtpServer
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.ftp import Error, Opcode, Packet, checksum, message_of, packet_of
@@ -95,6 +95,15 @@ def test_the_sessions_of_one_client_do_not_mix(payload):
     payload.ask(Opcode.RESET, session=3)
     (gone,) = payload.ask(Opcode.READ, session=17, size=50)
     assert (gone.opcode, gone.data) == (Opcode.NAK, bytes([Error.INVALID_SESSION]))
+
+
+def test_a_file_that_is_read_stays_open_while_others_open_files_and_vanish(payload):
+    """Every run of a script on a port of its own is a client of its own."""
+    opened(payload, "long.bin")
+    for session in range(1, 2 * SESSIONS):
+        payload.ask(Opcode.OPEN_RO, b"general.json", session=session)
+        (answer,) = payload.ask(Opcode.READ, size=50, offset=session)
+        assert (answer.opcode, len(answer.data)) == (Opcode.ACK, 50)
 
 
 def test_a_burst_leaves_a_slow_link_half_of_its_line(payload):
