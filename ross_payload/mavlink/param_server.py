@@ -2,10 +2,11 @@
 
 `on_packet` takes what arrives and `tick` the time, both on the thread of the pump. Answers leave one every `PACE`, on a
 link with a budget no faster than half of it carries them: a whole list does not crowd out telemetry, and is not dropped
-for want of room. No parameter waits in line more than once for a link. What a client has
-missed it asks for again. A ground station that appears is sent one value without having asked: QGroundControl asks for
-the others of a component only after it has received one. A request for what does not exist, or a value that is not
-allowed, is answered with a PARAM_ERROR: a client that knows it need not ask five times more.
+for want of room. A change is told everywhere at once, and where that is too fast once more in time. No parameter waits
+in line more than once for a link. What a client has missed it asks for again. A ground station that appears is sent one
+value without having asked: QGroundControl asks for the others of a component only after it has received one. A request
+for what does not exist, or a value that is not allowed, is answered with a PARAM_ERROR: a client that knows it need not
+ask five times more.
 """
 
 from __future__ import annotations
@@ -145,10 +146,14 @@ class ParamServer:
             return
         self._waiting.remove(ready)
         index, link = ready
-        rate = math.inf if link is EVERYWHERE else self._rates().get(link, math.inf)
-        self._due, self._free[link] = now + PACE, now + SIZE / (SHARE * rate)
         name = NAMES[index]
         self._component.send(params.value_message(name, self._parameters.value(name), index, len(NAMES)), link)
+        self._due = now + PACE
+        for url, rate in self._rates().items():
+            if link is EVERYWHERE and now < self._free.get(url, -math.inf):
+                self._answer(index, url)  # there it may have found no room: once more, in time
+            if link in (EVERYWHERE, url):
+                self._free[url] = now + SIZE / (SHARE * rate)
 
     def _greet(self, received: Received) -> None:
         """Tell a ground station that has just appeared one value, and again until it asks for others."""

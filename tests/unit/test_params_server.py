@@ -94,6 +94,14 @@ def test_a_slow_link_holds_no_other_one_up(sky):
     assert [message.param_id for message in payload.wait(0.1)] == ["EXP_UNIT"]
 
 
+def test_of_many_changes_at_once_a_link_that_carries_little_is_told_each(sky):
+    payload = Payload(sky(max_bytes_s=300))
+    heard = []
+    for name in NAMES:  # as a ground station loads a file
+        heard += payload.set(name, payload.parameters.value(name), seconds=0.04)
+    assert {message.param_id for message in heard + payload.wait(COUNT * 50 / 150)} == set(NAMES)
+
+
 def test_many_lists_at_once_are_not_more_than_one(payload):
     for _ in range(200):
         payload.list()
