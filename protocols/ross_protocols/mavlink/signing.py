@@ -19,7 +19,6 @@ SECOND = 100_000  # in units of a timestamp
 EPOCH = 1_420_070_400  # 1 January 2015, UNIX time [s]
 LATEST = 2**48 - 1  # timestamp
 WINDOW = 60 * SECOND  # that a new stream may be behind us
-DELAY = 1 * SECOND  # by which a network may deliver a frame late, or once more
 STREAMS = 1024  # that one link keeps apart
 UNSIGNED = "RADIO_STATUS"  # a radio has no key
 
@@ -56,8 +55,8 @@ class Trust(Enum):
 
     BELIEVED = "believed"
     UNSAVED = "its timestamp is not saved to disk yet: after a crash it could be replayed"
-    BEHIND = "signed with our key, and far behind: its sender has not heard our time yet, or it is a replay"
-    OLD = "signed with our key, but its timestamp is old: it may be a replay"
+    BEHIND = "signed with our key, and behind: its sender has not heard our time yet, or it is a replay"
+    OLD = "signed with our key, but it was heard before, or there are too many streams"
     REFUSED = "not signed with our key"
 
 
@@ -121,4 +120,4 @@ def _not_after(timestamp: int, before: int) -> Trust | None:
     """Return why a stream cannot go on with a timestamp; None: it can."""
     if timestamp > before:
         return None
-    return Trust.BEHIND if timestamp + DELAY < before else Trust.OLD
+    return Trust.BEHIND if timestamp < before else Trust.OLD
