@@ -261,6 +261,28 @@ def test_a_station_that_starts_again_with_a_clock_behind_ours_is_believed_after_
         assert wait_for(payload.poll)
 
 
+def test_a_station_is_believed_though_one_with_its_ids_and_a_clock_ahead_has_sent_a_single_frame(listening) -> None:
+    """That frame was not believed: its time was not on the disk. What comes after it has to be later all the same."""
+    payload, first = listening("udpin", signed=True), Station(time.time() + 600.0)
+    with first.sock, Station(time.time()).sock as sock:
+        sock.settimeout(0.01)
+        first.sock.sendto(first.frame(), payload.where)
+        wait_for(lambda: payload.poll() or payload.links.status()[0].received)
+        again, stamp = Encoder(255, 190, KEY, 7), timestamp_of(time.time())
+
+        def believed() -> bool:
+            nonlocal stamp
+            payload.say()
+            stamp += 1
+            sock.sendto(again.encode(stop_command(), stamp), payload.where)
+            payload.poll()
+            with suppress(TimeoutError):
+                stamp = max(stamp, link_and_time(sock.recv(2048))[1])
+            return bool(payload.heard)
+
+        wait_for(believed)
+
+
 def test_of_a_flood_of_frames_from_before_few_are_answered(listening) -> None:
     payload, station = listening("udpin", signed=True), Station(time.time() - 120.0)
     with station.sock:

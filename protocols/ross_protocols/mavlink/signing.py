@@ -102,6 +102,8 @@ class Guardian:
         before = self._streams.get(stream)
         late = self._late(timestamp, now) if before is None else _not_after(timestamp, before)
         if late is not None:
+            if before is not None and self.time.covers(before, now):
+                self.time.learn(before)  # it was not on the disk when it came; who is told our time gets past it now
             return late
         self._streams[stream] = timestamp
         if not self.time.covers(timestamp, now):
