@@ -23,6 +23,7 @@ MINUTES = float(os.environ.get("ROSS_SOAK_MINUTES", "60"))
 UNPLUGGED = 0.15  # of the days
 HEARD_OUT = 0.4  # of the days: a separation
 WARM = 8 * 60.0  # [s] until the histories that are bounded are full
+WINDOW = 120  # looks, one a second
 RECORD, TURN, STOP, CANCEL, REARM, HOME = 54008, 54003, 54004, 54005, 54009, 54010
 EXPLORE, LISTEN = 54000, 54001
 CONFIG = """
@@ -255,7 +256,7 @@ def test_an_hour_of_tasks_links_and_microphones_that_come_and_go_grows_nothing(b
         print(run)  # noqa: T201
     assert run.growth_mb < 15.0
     assert run.threads_first == run.threads_last
-    assert run.files_first == run.files_last
+    assert run.files_last <= run.files_first + 1  # the microphones may have been unplugged in the first minutes alone
     assert run.pump < 0.06  # motor, links, telemetry
     assert run.silence_s < 2.0  # a heartbeat late by a second at most, whatever else the computer does
     assert run.reopened == run.unplugged
@@ -266,22 +267,21 @@ def account(columns):
     """Growth [MB], shares of a core, and how threads, descriptors and memory [MB] were at the ends.
 
     What a separation works with comes and goes, and the allocator gives some of it back late: growth is how much higher
-    the lowest of the last third is than that of the first. A recording opens some files, and while the microphones are
-    unplugged there is one fewer: of the descriptors within two minutes the lowest tenth is left out.
+    the lowest of the last third is than that of the first. A recording opens some files: of the descriptors the lowest
+    number within two minutes counts. While the microphones are unplugged there is one fewer.
     """
     clock, resident, threads, files, cpu, pump = columns
     seconds = clock[-1] - clock[0]
     third = max(len(resident) // 3, 1)
-    first, last = (np.percentile(each, 10).item() for each in (files[:120], files[-120:]))  # between two recordings
     return {
-        "minutes": round(seconds / 60, 1),
-        "growth_mb": round(resident[-third:].min() - resident[:third].min(), 2),
-        "least_mb": round(resident.min(), 1),
-        "most_mb": round(resident.max(), 1),
+        "minutes": round(float(seconds / 60), 1),
+        "growth_mb": round(float(resident[-third:].min() - resident[:third].min()), 2),
+        "least_mb": round(float(resident.min()), 1),
+        "most_mb": round(float(resident.max()), 1),
         "threads_first": int(threads[0]),
         "threads_last": int(threads[-1]),
-        "files_first": first,
-        "files_last": last,
-        "cpu": round((cpu[-1] - cpu[0]) / seconds, 4),
-        "pump": round((pump[-1] - pump[0]) / seconds, 4),
+        "files_first": int(files[:WINDOW].min()),
+        "files_last": int(files[-WINDOW:].min()),
+        "cpu": round(float((cpu[-1] - cpu[0]) / seconds), 4),
+        "pump": round(float((pump[-1] - pump[0]) / seconds), 4),
     }

@@ -25,8 +25,8 @@ class PayloadRun:
     most_mb: float
     threads_first: int
     threads_last: int
-    files_first: float  # descriptors: the lowest tenth of the first two minutes
-    files_last: float
+    files_first: int  # descriptors: the fewest of the first two minutes
+    files_last: int
     orders: int
     accepted: int
     unplugged: int  # times that the microphones were
@@ -72,7 +72,7 @@ PAYLOAD: dict[str, Callable[[PayloadRun], str]] = {
     "growth of resident memory": lambda run: f"{run.growth_mb:.1f} MB",
     "resident memory": lambda run: f"{run.least_mb:.0f} to {run.most_mb:.0f} MB",
     "threads, at both ends": lambda run: f"{run.threads_first}, {run.threads_last}",
-    "descriptors, at both ends": lambda run: f"{run.files_first:.0f}, {run.files_last:.0f}",
+    "descriptors, at both ends": lambda run: f"{run.files_first}, {run.files_last}",
     "orders, of them accepted": lambda run: f"{run.orders}, {run.accepted}",
     "microphones unplugged and back": lambda run: f"{run.reopened} of {run.unplugged}",
     "sound that did not come, sound counted as lost": lambda run: f"{run.missing_s:.1f} s, {run.lost_s:.1f} s",
@@ -95,7 +95,7 @@ REQUIRED = ("< 150 ms", "", "", "< 0.5 of a core", "0", "< x1.1", "< x1.1", "< x
 def endurance(rows: Sequence[PayloadRun]) -> Table:
     """What a payload had after a long time, one column for every run.
 
-    >>> run = PayloadRun(16.0, 0.4, 168.0, 194.2, 11, 11, 9.0, 9.0, 706, 703, 12, 12, 55.5, 55.4, 1.07, 0.15, 0.048)
+    >>> run = PayloadRun(16.0, 0.4, 168.0, 194.2, 11, 11, 9, 9, 706, 703, 12, 12, 55.5, 55.4, 1.07, 0.15, 0.048)
     >>> endurance([run]).rows[1:3]
     (('growth of resident memory', '0.4 MB'), ('resident memory', '168 to 194 MB'))
     """
