@@ -86,10 +86,11 @@ def show(file: Path) -> None:
     """Show every key of a payload's TOML FILE as it is in force, and why: file, default, or set in flight."""
     from ross_payload.config import load
     from ross_payload.config.parameter_listing import listing
+    from ross_payload.service.check import check_settable
     from ross_payload.service.state_folder import state_path
 
     loaded = load(file)
-    for line in listing(loaded, state_path(loaded) / "params.toml"):
+    for line in listing(loaded, state_path(loaded) / "params.toml", check_settable):
         click.echo(line)
 
 

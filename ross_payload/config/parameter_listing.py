@@ -10,16 +10,19 @@ from typing import Any
 from ross_payload.bounded_files import printable
 from ross_payload.config import Config, Table
 from ross_payload.config.parameter_persistence import StoredValue, Unusable, read
-from ross_payload.config.parameter_store import Origin, recall
+from ross_payload.config.parameter_store import Check, Origin, any_serves, recall
 from ross_payload.config.parameter_table import TABLE
 
 WIDTH = 40  # of key and value, in front of the origin
 
 
-def listing(config: Config, path: Path) -> Iterator[str]:
-    """Give the lines: what the file of a configuration says, the defaults, and what ``path`` keeps; it is only read."""
+def listing(config: Config, path: Path, check: Check = any_serves) -> Iterator[str]:
+    """Give the lines: what the file of a configuration says, the defaults, and what ``path`` keeps; it is only read.
+
+    ``check`` refuses what is kept as `Parameters` does.
+    """
     kept, notes = _looked_at(path)
-    in_force, held, more = recall(config, kept)
+    in_force, held, more = recall(config, kept, check)
     yield from (f"# {printable(note)}" for note in [*notes, *more])
     origins = {TABLE[name].place: f"{Origin.IN_FLIGHT}, instead of {entry.replaced:g}" for name, entry in held.items()}
     values = {name: getattr(in_force, name) for name in Config.model_fields}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from enum import StrEnum
@@ -26,6 +26,13 @@ class Origin(StrEnum):
     IN_FLIGHT = "in flight"
 
 
+Check = Callable[[Config], None]  # raises ConfigError where nothing can work as a configuration says
+
+
+def any_serves(config: Config) -> None:
+    """Refuse no configuration."""
+
+
 class Parameters(AbstractContextManager["Parameters"]):
     """What is in force: the configuration with what was set in flight. A context manager.
 
@@ -33,14 +40,16 @@ class Parameters(AbstractContextManager["Parameters"]):
     disk may take long; leaving the context waits for it. Everything else belongs to one thread.
 
     ``notes`` says what an operator should know about the file that was found; ``trouble`` why it cannot be written
-    at present, empty when it can.
+    at present, empty when it can. ``check`` refuses what the table allows, and what else there is cannot do: a value
+    that it refuses is not set, nor taken from the file.
     """
 
-    def __init__(self, config: Config, path: Path | None = None) -> None:
+    def __init__(self, config: Config, path: Path | None = None, check: Check = any_serves) -> None:
         self._configured = config
+        self._check = check
         self._path = path
         kept, problem = ({}, "") if path is None else _found(path)
-        self.config, self._kept, notes = recall(config, kept)
+        self.config, self._kept, notes = recall(config, kept, check)
         self.notes = tuple([problem, *notes] if problem else notes)
         self.trouble = ""
         self._written = kept
@@ -85,7 +94,7 @@ class Parameters(AbstractContextManager["Parameters"]):
         ConfigError
             When there is no such parameter, or the value is not allowed, or not together with the others.
         """
-        self.config = changed(self.config, name, value)
+        self.config = _serving(self.config, name, value, self._check)
         entry = StoredValue(self.value(name), value_of(self._configured, name))
         others = {other: kept for other, kept in self._kept.items() if other != name}
         self._kept = others if entry.value == entry.replaced else others | {name: entry}
@@ -118,7 +127,19 @@ def origin_in(config: Config, table: str, key: str) -> Origin:
     return Origin.FILE if key in getattr(config, table).model_fields_set else Origin.DEFAULT
 
 
-def recall(config: Config, kept: Mapping[str, StoredValue]) -> tuple[Config, dict[str, StoredValue], list[str]]:
+def _serving(config: Config, name: str, value: float, check: Check) -> Config:
+    """Return the configuration with one parameter changed, unless nothing can work as it says."""
+    new = changed(config, name, value)
+    try:
+        check(new)
+    except ConfigError as error:
+        raise ConfigError(f"{name}: {error}") from error
+    return new
+
+
+def recall(
+    config: Config, kept: Mapping[str, StoredValue], check: Check = any_serves
+) -> tuple[Config, dict[str, StoredValue], list[str]]:
     """Return the configuration with what was set in flight, what of that holds, and what there is to tell.
 
     Where the file of the configuration says something else since, it wins.
@@ -134,22 +155,22 @@ def recall(config: Config, kept: Mapping[str, StoredValue]) -> tuple[Config, dic
             notes.append(
                 f"{name}: the configuration says {said:g}, no longer {entry.replaced:g}: {entry.value:g} is discarded"
             )
-    config, refused = _together(config, {name: entry.value for name, entry in held.items()})
+    config, refused = _together(config, {name: entry.value for name, entry in held.items()}, check)
     notes += [f"{reason}: discarded" for reason in refused.values()]
     return config, {name: entry for name, entry in held.items() if name not in refused}, notes
 
 
-def _together(config: Config, values: Mapping[str, float]) -> tuple[Config, dict[str, str]]:
+def _together(config: Config, values: Mapping[str, float], check: Check) -> tuple[Config, dict[str, str]]:
     """Change what can be changed, in an order in which it can; return why the rest cannot."""
     refused: dict[str, str] = {}
     for name, value in values.items():
         try:
-            config = changed(config, name, value)
+            config = _serving(config, name, value, check)
         except ConfigError as error:
             refused[name] = str(error)
     if not refused or len(refused) == len(values):
         return config, refused
-    return _together(config, {name: values[name] for name in refused})
+    return _together(config, {name: values[name] for name in refused}, check)
 
 
 def _found(path: Path) -> tuple[dict[str, StoredValue], str]:

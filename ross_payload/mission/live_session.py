@@ -27,7 +27,7 @@ from ross_payload.events import (
 from ross_payload.interfaces import Input, Mission, Output, Result, VoicePrint
 from ross_payload.mission.context import NOTHING, Context, Ended, FrameChanged, Step, exchange
 from ross_payload.mission.settings import Settings, Tools
-from ross_payload.mission.tasks import Memory, TaskRefused, perform, refusal
+from ross_payload.mission.tasks import WITHOUT_TOOLS, Memory, TaskRefused, perform, refusal
 from ross_payload.mission_state import BUSY
 from ross_payload.orders import Cancel, MeasureNoise, Order, Point, Rearm, Set, Shutdown, Stop, Task
 
@@ -190,7 +190,7 @@ class LiveSession:
     def _task(self, task: Task) -> Step[Order | None]:
         """Perform one task; return the order that ends the session, if any."""
         try:
-            old, kit = self._context, self._kit()
+            old, kit = self._context, self._kit(task)
         except ConfigError as error:  # a plug-in that was changed meanwhile
             self._answer(task, Answer.REFUSED, str(error))
             return None
@@ -218,7 +218,7 @@ class LiveSession:
     def _refusal_meanwhile(self, task: Task) -> str:
         """Return why a task cannot be begun in the place of the present one, which goes on then; empty when it can."""
         try:
-            self._make(self.config)
+            self._made(task)
         except ConfigError as error:
             return str(error)
         return self._refusal(task)
@@ -227,8 +227,17 @@ class LiveSession:
         """Return why a task cannot be begun; empty when it can."""
         return refusal(self._context, self._memory, task, stopped=self._stopped, fault=self._fault)
 
-    def _kit(self) -> Kit:
-        kit = self._make(self.config)
+    def _made(self, task: Task) -> Kit:
+        """Make what a task works with; one that uses no plug-in may work with what the task before had."""
+        try:
+            return self._make(self.config)
+        except ConfigError:
+            if not isinstance(task, WITHOUT_TOOLS):
+                raise
+            return Kit(self._context.settings, self._context.tools)
+
+    def _kit(self, task: Task) -> Kit:
+        kit = self._made(task)
         if self._enrolled is None:
             return kit
         return replace(kit, tools=replace(kit.tools, voiceprint=self._noting(self._enrolled.voiceprint)))

@@ -30,6 +30,7 @@ FAULT = 2.0  # [s] that a fault may last which begins while the zero is found
 OUTSIDE = "this heading is outside the limits of the joint"
 NO_CONSENT = "nobody is enrolled who has not agreed to it"
 STILL_FAULTY = (orders.Home,)  # may be ordered while there is a fault
+WITHOUT_TOOLS = (orders.Park, orders.Home, orders.TurnTo, orders.Point, orders.MeasureNoise)  # which use no plug-in
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Services
 from ross_payload.listening.observers import check_listening
 from ross_payload.named_paths import expanded
-from ross_payload.service.assemble import tools_of
+from ross_payload.service.assemble import explorer_of, tools_of
 from ross_payload.service.dronecan_node import check_one_id
 from ross_payload.service.state_folder import check_state_folder, recording_path
 from ross_payload.transport.link_url import parse
@@ -83,6 +83,19 @@ def check(config: Config) -> None:
     open_actuator(config, Services(SystemClock(), _refused))  # it is not entered, so its wire stays closed
     tools_of(config, None)
     check_listening(config)
+
+
+def check_settable(config: Config) -> None:
+    """Refuse what parameters can ask for, but not of this explorer or actuator: to explore without a pause.
+
+    Raises
+    ------
+    ConfigError
+        With one line that names the key, what was expected and what was got.
+    """
+    if config.explore.continuous:
+        explorer_of(config)
+        open_actuator(config, Services(SystemClock(), _refused))  # it is not entered, so its wire stays closed
 
 
 def _check_links(config: Config) -> None:

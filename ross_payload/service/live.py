@@ -28,6 +28,7 @@ from ross_payload.mavlink import Router
 from ross_payload.mount import mount_of
 from ross_payload.notify import MISSION, Manager, Watchdog, hearing_signals, on_signal
 from ross_payload.orders import Shutdown, Stop
+from ross_payload.service.check import check_settable
 from ross_payload.service.payload import POLL_PERIOD_S, Parts, assembled
 from ross_payload.service.runner import Runner
 from ross_payload.service.state_folder import owned, recording_path, state_folder
@@ -107,7 +108,7 @@ def _parts(
 ) -> Iterator[Parts]:
     state = state_folder(config)
     with ExitStack() as stack:
-        parameters = stack.enter_context(Parameters(config, state / "params.toml"))
+        parameters = stack.enter_context(Parameters(config, state / "params.toml", check_settable))
         for note in parameters.notes:
             log.warning(note)
         links = Router.open(config.links, clock, system_id=config.telemetry.system_id, state=state, patient=True)

@@ -14,6 +14,7 @@ from ross_payload.config.parameter_listing import listing
 from ross_payload.config.parameter_store import Origin, Parameters
 from ross_payload.config.parameter_table import TABLE, changed, value_of
 from ross_payload.errors import ConfigError
+from ross_payload.service.check import check_settable
 
 ROOT = Path(__file__).parents[2]
 names = st.sampled_from(list(TABLE))
@@ -132,6 +133,38 @@ def test_what_was_set_is_in_force_at_once_and_after_a_restart(file):
     with Parameters(Config(), file) as again:
         assert again.value("EXP_UNIT") == 2.5
         assert again.notes == ()
+
+
+MARKOV = "explore.continuous: expected an explorer that hears while turning, got 'markov'"
+FAST = "explore.rate_deg_s: expected at most 30, as fast as tb6600 turns, got 90"
+
+
+@pytest.mark.parametrize(
+    ("tables", "earlier", "wrong", "says"),
+    [
+        ({"explore": {"method": "markov"}}, {}, ("EXP_CONTINUOUS", 1), MARKOV),
+        ({"actuator": {"options": {"max_speed_deg_s": 30}}}, {"EXP_CONTINUOUS": 1}, ("EXP_RATE", 90), FAST),
+        ({"actuator": {"options": {"max_speed_deg_s": 30}}}, {"EXP_RATE": 90}, ("EXP_CONTINUOUS", 1), FAST),
+    ],
+    ids=["an explorer that cannot", "too fast for the actuator", "set before"],
+)
+def test_what_the_payload_cannot_do_is_not_set_nor_kept_over_a_restart(file, tables, earlier, wrong, says):
+    (name, value), config = wrong, Config.model_validate(tables)
+    with Parameters(config, file, check_settable) as parameters:
+        for other, before in earlier.items():
+            parameters.set(other, before)
+        with pytest.raises(ConfigError) as refused:
+            parameters.set(name, value)
+        assert str(refused.value) == f"{name}: {says}"
+        assert parameters.value(name) != value
+    set_once(config, file, **earlier | {name: value})  # as kept by an older version, or with another configuration
+    with Parameters(config, file, check_settable) as again:
+        check_settable(again.config)
+        assert len(again.notes) == 1
+        assert again.notes[0].endswith(f"{says}: discarded")
+    shown = list(listing(config, file, check_settable))
+    assert shown[0] == f"# {again.notes[0]}"
+    check_settable(from_toml(file.parent, "\n".join(shown)))
 
 
 @pytest.mark.parametrize(

@@ -20,11 +20,13 @@ from ross_payload.mission.live_session import Kit
 from ross_payload.mission.tasks import Memory
 from ross_payload.orders import (
     Explore,
+    Home,
     Informed,
     ListenAt,
     ListenTo,
     MeasureNoise,
     Park,
+    Point,
     Seek,
     Set,
     Shutdown,
@@ -185,6 +187,28 @@ def test_a_task_that_cannot_be_begun_does_not_end_the_present_one():
     assert bench.answers(1) == [Answer.ACCEPTED]
     broken.clear()
     assert bench.over(1).answer is Answer.DONE
+
+
+@pytest.mark.parametrize(
+    "task", [Park(number=2), Home(number=2), TurnTo(0.1, number=2), MeasureNoise(0.5, number=2), Point(0.1, number=2)]
+)
+@pytest.mark.parametrize("listening", [True, False])
+def test_what_needs_no_plug_in_is_done_also_when_one_cannot_be_used(task, listening):
+    """It was changed meanwhile, as its package can be."""
+    broken = []
+
+    def checked(config):
+        if broken:
+            raise ConfigError("explorer 'believer' is unknown")
+        return make(config)
+
+    bench = Bench(make=checked, memory=Memory(estimate()))
+    if listening:
+        bench.hop(ListenTo(1, number=1))
+        bench.hops_until(lambda event: isinstance(event, StateChanged) and event.state is State.RUN)
+    broken.append(True)
+    bench.hop(task)
+    assert bench.over(2).answer is Answer.DONE
 
 
 def test_a_setting_holds_from_the_next_task_on(bench):

@@ -125,6 +125,19 @@ def test_a_state_folder_spoilt_at_random_starts(one_round, seed):
     one_round(*drawn(np.random.default_rng(seed)), seed)
 
 
+def test_a_parameter_that_the_explorer_cannot_follow_does_not_stop_a_start(tmp_path, monkeypatch, capsys):
+    """It was set in flight with another explorer, or kept by a version that did not refuse it."""
+    soundfile.write(tmp_path / "n.wav", np.random.default_rng(0).normal(0, 0.1, (RATE // 20, 2)), RATE)
+    plain = settled(tmp_path, monkeypatch)
+    service = plain.service.model_copy(update={"target": ""})
+    explore = plain.explore.model_copy(update={"method": "markov"})
+    config = plain.model_copy(update={"service": service, "explore": explore, "links": ()})
+    with Parameters(config, tmp_path / "state" / "params.toml") as parameters:
+        parameters.set("EXP_CONTINUOUS", 1.0)
+    said, _ = started(config, capsys)
+    assert "EXP_CONTINUOUS: explore.continuous: expected an explorer that hears while turning, got 'markov'" in said
+
+
 def test_the_whole_service_starts_beside_a_named_pipe_and_nested_json(whole, tmp_path):
     folder, rng = tmp_path / "flown", np.random.default_rng(0)
     shutil.copytree(whole, folder)

@@ -29,6 +29,7 @@ from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
 from ross_payload.notify import hearing_signals, on_signal
 from ross_payload.orders import Shutdown
+from ross_payload.service.check import check_settable
 from ross_payload.service.live import SWITCH_INTERVAL_S
 from ross_payload.service.payload import Parts, assembled
 from ross_payload.service.runner import Observer, Runner
@@ -172,7 +173,7 @@ def _parts(
         links=links,
         mount=mount,
         timebase=timebase,
-        parameters=stack.enter_context(Parameters(config, state / "params.toml")),
+        parameters=stack.enter_context(Parameters(config, state / "params.toml", check_settable)),
         store=store,
         drained=in_background if live else drained(clock),
         voiceprint=company.voiceprint,
