@@ -106,6 +106,7 @@ class Aboard:
         give: Callable[[Order], None],
         send_text: Callable[[Severity, str], None],
         restart: Callable[[], None] | None,
+        sought: bool,
     ) -> Iterator[DronecanReport]:
         """Answer about parameters and restarts, give ids, and tell of the mission.
 
@@ -117,10 +118,12 @@ class Aboard:
             Tells an operator something.
         restart
             Sees to it that this program is started again when it has ended; None: nobody would.
+        sought
+            A voice is enrolled from the beginning.
         """
         asked = self._config.dronecan
         ParameterService(self.node, parameters, lambda name, value: give(Set(name, value)), may_set=asked.may_set)
-        report = DronecanReport(self.node, actuator, timebase, lambda: parameters.config)
+        report = DronecanReport(self.node, actuator, timebase, lambda: parameters.config, sought=sought)
         again = restart if asked.may_restart else None
         self.node.serve(RestartRequest, lambda request: _restarted(request, report, give, again))
         allocator = Allocator(self.node, self._kept, self._clock.now()) if asked.allocator else None

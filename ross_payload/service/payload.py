@@ -223,6 +223,7 @@ def _speakers(
             give=runner.order,
             send_text=telemetry.send_text,
             restart=parts.restart,
+            sought=parts.voiceprint is not None,
         )
 
 

@@ -45,9 +45,13 @@ class DronecanReport:
         Tells the time.
     config
         Tells what is in force.
+    sought
+        A voice is enrolled from the beginning, and scores say how much others sound like it.
     """
 
-    def __init__(self, node: Node, actuator: Actuator, timebase: Timebase, config: Callable[[], Config]) -> None:
+    def __init__(
+        self, node: Node, actuator: Actuator, timebase: Timebase, config: Callable[[], Config], *, sought: bool = True
+    ) -> None:
         self._node = node
         self._actuator = actuator
         self._timebase = timebase
@@ -55,7 +59,7 @@ class DronecanReport:
         self._open_loop = actuator.capabilities.feedback is Feedback.MODEL
         self._events: SimpleQueue[tuple[Event, Input]] = SimpleQueue()
         self._latest: Input | None = None
-        self._reporter = Reporter(Board(), self._send_text)
+        self._reporter = Reporter(Board(), self._send_text, sought=sought)
         self._bucket = operator_texts()
         self._now = 0.0
         self._last_sources: RossSources | None = None

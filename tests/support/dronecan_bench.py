@@ -14,7 +14,7 @@ from dronecan_wire import Stranger, of
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.dronecan.shared_bus import SharedBuses
-from ross_payload.interfaces import AudioBlock, Port
+from ross_payload.interfaces import AudioBlock, Port, VoicePrint
 from ross_payload.mavlink import Router
 from ross_payload.mount import FixedMount
 from ross_payload.orders import Shutdown
@@ -163,17 +163,25 @@ class Living:
         """What is said goes over the bus."""
 
 
-def payload(tables: dict[str, Any], open_can: Callable[[str], Port] | None, folder: Path, powered: float = 0.0) -> Any:
+def payload(
+    tables: dict[str, Any],
+    open_can: Callable[[str], Port] | None,
+    folder: Path,
+    powered: float = 0.0,
+    target: VoicePrint | None = None,
+) -> Any:
     """A payload, unless told otherwise with an ideal actuator; without ``open_can`` the bus is the actuator's.
 
     What turns is there from ``powered`` [s] on.
     """
     config = Config.model_validate({"actuator": {"kind": "ideal"}, "dronecan": {"port": URL}} | tables)
-    return _aboard(config, open_can, folder, powered)
+    return _aboard(config, open_can, folder, powered, target)
 
 
 @contextmanager
-def _aboard(config: Config, open_can: Callable[[str], Port] | None, folder: Path, powered: float) -> Iterator[Bench]:
+def _aboard(
+    config: Config, open_can: Callable[[str], Port] | None, folder: Path, powered: float, target: VoicePrint | None
+) -> Iterator[Bench]:
     clock, far_end, restarts = SimClock(), far_end_of(config), []
     clock.before_calls(far_end.advance)
 
@@ -192,6 +200,7 @@ def _aboard(config: Config, open_can: Callable[[str], Port] | None, folder: Path
             parameters=kept,
             store=SessionStore(folder / "recordings"),
             drained=drained(clock),
+            voiceprint=target,
             state=folder,
             rng=np.random.default_rng(SEED),
             restart=lambda: restarts.append("asked"),
@@ -208,8 +217,8 @@ def live(bench: Bench, script: Iterator[None]) -> None:
     bench.runner.run()
 
 
-def play(script, open_can, folder, powered=0.0, **tables):
-    """Let a script live with a payload; return the bench."""
-    with payload(tables, open_can, folder, powered) as bench:
+def play(script, open_can, folder, powered=0.0, target=None, **tables):
+    """Let a script live with a payload, which seeks ``target``; return the bench."""
+    with payload(tables, open_can, folder, powered, target) as bench:
         live(bench, script(bench))
     return bench

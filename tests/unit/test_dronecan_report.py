@@ -17,6 +17,7 @@ from ross_payload.events import (
     AlignmentCandidate,
     AlignmentPlanned,
     Checked,
+    Enrolled,
     Estimate,
     Finished,
     GroupScore,
@@ -31,6 +32,7 @@ from ross_protocols.dronecan.messages import Health, LogMessage, Mode, NodeStatu
 from ross_protocols.dronecan.node_messages import Encoder
 from ross_protocols.dronecan.ross_types import RossSource, RossSources, RossStatus
 from ross_sim.devices.bus_nodes import lasts
+from session_bench import Likes
 
 ROOT = Path(__file__).parents[2]
 
@@ -108,6 +110,19 @@ def test_what_the_mission_finds_is_told_at_once_and_every_second(wire, peer, tmp
         peer.all.clear()
         yield from peer.wait(3.0)
         assert 2 <= len(of(RossSources, peer.all)) <= 4
+
+    play(script, wire.open, tmp_path, target=Likes(1))
+
+
+def test_where_nobody_is_enrolled_no_score_is_told(wire, peer, tmp_path):
+    def script(bench):
+        bench.tell(*STORY[:-1], Checked(1.0, CANDIDATE, (GroupScore((1,), 0.0, False),), None, "duet", ""))
+        yield from peer.wait(0.3)
+        assert peer.latest(RossStatus).score is None
+        assert [source.score for source in peer.latest(RossSources).sources] == [None, None]
+        bench.tell(Enrolled(1.0, "talker-1", 1, 0.1, 5.0, None), *STORY[-1:])
+        yield from peer.wait(0.3)
+        assert peer.latest(RossStatus).score == 4.5
 
     play(script, wire.open, tmp_path)
 
