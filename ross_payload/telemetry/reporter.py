@@ -125,11 +125,14 @@ class Reporter:
         self._board.announce(Rank.SEPARATION, self._separations)
 
     def _forget_target(self) -> None:
-        """Tell no more who sounds like the target: another voice is enrolled, which nobody was compared with yet."""
+        """Tell no more who sounds like the target: another voice is enrolled, which nobody was compared with yet.
+
+        Groups are told again without it: whoever listens keeps the latest of each.
+        """
         self.sources = [replace(source, score=None, target=False) for source in self.sources]
-        self._separations = []
+        self._separations = [replace(each, score=None, accepted=False, target=False) for each in self._separations]
         self._board.announce(Rank.SOURCE, self.sources)
-        self._board.announce(Rank.SEPARATION, [])
+        self._board.announce(Rank.SEPARATION, self._separations)
 
     def _mark(self, changed: list[values.Alignment], state: values.CandidateState) -> None:
         self._alignments = [replace(a, state=state) if a in changed else a for a in self._alignments]

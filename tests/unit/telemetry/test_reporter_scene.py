@@ -193,6 +193,8 @@ def test_who_sounded_like_the_target_before_another_voice_was_enrolled_is_told_n
     status = ground.latest(Status)
     assert (status.target, status.target_found, status.score) == (None, False, None)
     assert [(each.source, each.score, each.target) for each in ground.all(Source)] == [(1, None, False)]
+    groups = [(each.group, each.score, each.accepted, each.target) for each in ground.all(Separation)]
+    assert groups == [(0, None, False, False), (1, None, False, False)]
 
 
 def test_where_nobody_is_enrolled_no_score_is_told(ground) -> None:
