@@ -30,6 +30,7 @@ TRIED_FRAMES = (30, 300)  # 0.3 and 3 s of noise: what a network is tried with
 TRIAL_TIMEOUT_S = 30.0  # for each of them
 MOST_NUMBERS = 16384  # of an embedding: published networks give up to 2048, and a print is a small file
 WEIGHTS_BESIDE = "session.model_external_initializers_file_folder_path"  # of the session options of onnxruntime
+PLACE_OF_WEIGHTS = b"\x0a\x08location"  # key of a tensor's `external_data` in the protocol buffer of ONNX
 BUILT_IN = 0.05  # weight of what the built-in model says beside the cosine of a network
 
 
@@ -144,7 +145,7 @@ def _opened(content: bytes, name: str) -> tuple[Any, str, int]:
         session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
     except Exception as error:  # onnxruntime has a class of its own for each way to be damaged
         told = str(error).splitlines()[0]
-        if "External data" in told:
+        if PLACE_OF_WEIGHTS in content:  # each release of onnxruntime has other words for it
             told = "its weights are in a file beside it: save it with all of them inside"
         raise ConfigError(f"{name}: expected an ONNX file: {told}") from error
     inputs, outputs = session.get_inputs(), session.get_outputs()
