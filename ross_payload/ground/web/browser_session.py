@@ -29,6 +29,7 @@ class BrowserSession:
         self.state, self.id, self.operator = state, browser, Operator(state, browser, name)
         self.cut = cut
         self.wake = asyncio.Event()
+        self.obeyed = asyncio.Event()  # what its socket brought, to the end
         self.watched: ComponentId | None = None
         self._seen = 0  # number of the view that was sent
         self._fleet_seen = 0

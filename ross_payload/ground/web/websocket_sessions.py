@@ -58,15 +58,18 @@ class WebSocketSessions:
         ):
             raise web.HTTPServiceUnavailable(text=f"{MAX_SESSIONS} browsers are connected, no more are served\n")
         socket = await opened(request, MAX_MESSAGE_BYTES, WRITE_BUFFER_BYTES)
-        session = self._session(request)
+        session, left = self._session(request)
         self._sockets.add(socket)
         writer = asyncio.create_task(_write(session, socket, request))
         try:
+            if left is not None:
+                await left.obeyed.wait()  # what a browser said over its earlier socket comes first
             async for message in socket:
                 if message.type is WSMsgType.TEXT:
                     on_message(session, message.data)
                     await asyncio.sleep(0)  # for others: the next one may have come, and is taken without waiting
         finally:
+            session.obeyed.set()
             self._sockets.discard(socket)
             await self._end(session, writer)
         return socket
@@ -93,13 +96,15 @@ class WebSocketSessions:
         """Tell all browsers that the page ends."""
         await close_all(self._sockets)
 
-    def _session(self, request: web.Request) -> BrowserSession:
+    def _session(self, request: web.Request) -> tuple[BrowserSession, BrowserSession | None]:
         """Begin a session, with the id that a browser says it had, unless another one has it.
 
-        A browser whose network changed has left a session whose socket is not known to be dead: that ends.
+        A browser whose network changed has left a session whose socket is not known to be dead: that ends, and is
+        given, too.
         """
         wanted, returns = request.query.get("you", ""), self._returns(request)
-        if returns and (left := self.sessions.pop(wanted, None)) is not None:
+        left = self.sessions.pop(wanted, None) if returns else None
+        if left is not None:
             left.cut()
         browser = wanted if _ID.fullmatch(wanted) and wanted not in self.sessions else self._new_id()
         self.state.control.on_connect(browser)
@@ -109,7 +114,7 @@ class WebSocketSessions:
         session.send({"type": "flights", "known": self._flights})
         if self._recordings is not None:
             session.send({"type": "recordings", **self._recordings})
-        return session
+        return session, left
 
     def _returns(self, request: web.Request) -> bool:
         """Whether a browser shows that it was the latest one with the id that it says it had."""

@@ -1,6 +1,7 @@
 """The page's server: files, and what is known of payloads as it changes."""
 
 import asyncio
+import json
 import time
 from collections import Counter
 from dataclasses import replace
@@ -106,6 +107,27 @@ async def test_a_browser_that_never_stops_asking_holds_up_nobody_else(monkeypatc
         await wait_for_async(lambda: len(during) == 200)
         busy.cancel()
     assert len(set(during)) == 200
+
+
+async def test_what_a_browser_said_before_it_came_again_is_obeyed_first(monkeypatch):
+    """Its socket is cut, and much of what that brought may still wait in the process."""
+    said = []
+    monkeypatch.setattr(websocket_sessions, "on_message", lambda session, text: said.append(json.loads(text)["type"]))
+    async with page(HandStation()) as served, browser(served.url) as one:
+        hello = await one.next("hello")
+
+        async def early():
+            for _ in range(200):
+                await one.say(type="early")
+
+        saying = asyncio.create_task(early())
+        async with browser(served.url, you=f"{hello['you']}&proof={hello['proof']}") as again:
+            await again.say(type="late")
+            await wait_for_async(lambda: "late" in said)
+            await asyncio.sleep(0.1)
+        await asyncio.gather(saying, return_exceptions=True)
+    assert "early" in said
+    assert said.index("late") == len(said) - 1
 
 
 async def test_a_browser_that_does_not_read_holds_nobody_up_and_gets_the_latest():
