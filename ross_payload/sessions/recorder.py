@@ -83,6 +83,7 @@ class Recorder:
         self._disk: OngoingRecording | None = None  # what the disk's thread writes
         self._status = RecordingStatus()
         self._tidied_at: float | None = None  # on the clock of the Inputs [s], while nothing was recorded
+        self._untidy: RecordingStatus | None = None  # what was told of the latest look that failed meanwhile
 
     def record(self, on: bool) -> str:
         """Begin or end a recording with the next hop; return '' or why not."""
@@ -198,7 +199,10 @@ class Recorder:
         try:
             self._store.tidy(self._limits, stamp=self._stamp())
         except (OSError, RossError) as error:
-            self._status = replace(self._status, state=RecordingState.BROKEN, reason=_why(error))
+            self._status = self._untidy = replace(self._status, state=RecordingState.BROKEN, reason=_why(error))
+        else:
+            if self._status is self._untidy:  # of a recording that has failed it is told on
+                self._status = replace(self._status, state=RecordingState.OFF, reason="")
 
     def _put(self, recording: OngoingRecording, job: Callable[[OngoingRecording], None]) -> None:
         self._queue.put(partial(self._guarded, recording, job))

@@ -187,6 +187,30 @@ def test_what_is_too_old_is_deleted_also_while_nothing_is_recorded(tmp_path):
         assert recorder.status().state is RecordingState.OFF
 
 
+def test_a_folder_that_could_not_be_read_for_a_while_is_told_until_it_can(tmp_path):
+    folder = tmp_path / "all"
+    limits = configured(always=False).recording
+    with Recorder(SessionStore(folder), limits, beginning) as recorder:
+        for index, broken in ((0, False), (360_001, True), (720_002, True), (1_080_003, False)):
+            folder.unlink(missing_ok=True)
+            if broken:
+                folder.symlink_to(folder)
+            recorder.on_input(input_of(index))
+            recorder.drain()
+            told = recorder.status()
+            assert told.state is (RecordingState.BROKEN if broken else RecordingState.OFF)
+            assert bool(told.reason) is broken
+
+
+def test_what_is_told_of_a_recording_that_failed_stays(tmp_path):
+    with recording(tmp_path / "all", min_free_gb=9999) as recorder:
+        for index in (0, 1, 360_002):
+            recorder.on_input(input_of(index))
+            recorder.drain()
+            assert recorder.status().state is RecordingState.FULL
+            assert "min_free_gb" in recorder.status().reason
+
+
 def test_a_recording_begins_and_ends_with_the_next_input(tmp_path):
     with recording(tmp_path, always=False) as recorder:
         for index in range(30):
