@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from ross_payload import config
-from ross_payload.atomic_files import PART, make_private, write_whole
+from ross_payload.atomic_files import PART, make_private, replacing
 from ross_payload.bounded_files import open_regular, read_bounded, set_aside
 from ross_payload.config.listening_options import MOST_SOURCES
 from ross_payload.errors import ConfigError, near, refused_as, shown
@@ -30,7 +30,7 @@ FILES = (
 )  # fmt: skip
 OURS = frozenset(FILES)
 DATED = "dated"  # when a clock that is trusted was there first, in a session that began without one
-DATED_AT_ONCE = 5  # sessions: each waits for the disk, and what is being recorded waits with it
+DATED_AT_ONCE = 100  # sessions: what is being recorded waits meanwhile
 STAMP = "%Y%m%dT%H%M%SZ"  # of times in names and in `DATED`, UTC
 ASIDE = "unreadable"  # in the name of a session.json that was set aside
 LOCKED = "inputs.jsonl"  # its writer holds a lock on it, which the kernel takes back when the process dies
@@ -170,10 +170,9 @@ class SessionStore:
             self.delete(session)
         why = self._too_much(kept, limits, running)
         left = {one.path for one in kept}
-        for session in [one for one in undated if one.path in left][
-            :DATED_AT_ONCE
-        ]:  # at last: now a full disk has room
-            write_whole(session.path / DATED, stamp.encode())
+        waiting = [one.path for one in undated if one.path in left]
+        for path in waiting[:DATED_AT_ONCE]:  # at last: now a full disk has room
+            _date(path, stamp)
         return why
 
     def _too_much(self, kept: list[StoredSession], limits: config.Recording, running: Path | None) -> str:
@@ -261,6 +260,12 @@ def _start_time(session: StoredSession) -> float | None:
     named = NAME.fullmatch(session.path.name)
     start = _time((named[2] or "")[1:]) if named else None
     return _time(_kept_stamp(session.path)) if start is None else start
+
+
+def _date(folder: Path, stamp: str) -> None:
+    """Note when a clock was there first, without waiting for the disk; what a power cut takes of it is noted again."""
+    with replacing(folder / DATED, 0o600) as part:
+        part.write_text(stamp)
 
 
 def _kept_stamp(folder: Path) -> str:

@@ -2,10 +2,11 @@
 
 import errno
 import os
+import stat
 
 import pytest
 
-from ross_payload.atomic_files import write_whole
+from ross_payload.atomic_files import replacing
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.sessions import session_store
@@ -91,12 +92,28 @@ def test_a_session_of_a_clock_that_was_behind_has_its_days_from_when_that_is_kno
 
 
 def test_many_sessions_without_a_date_get_theirs_little_by_little(store, monkeypatch):
-    """Every date waits for the disk twice: hundreds of them would hold up a recording for longer than it can wait."""
+    """Thousands of dates would hold up a recording for longer than it can wait."""
     monkeypatch.setattr(session_store, "DATED_AT_ONCE", 2)
     paths = [fill(store) for _ in range(5)]
     for dated in (2, 4, 5, 5):
         store.tidy(limits(max_days=30), stamp="20261129T120000Z")
         assert [(path / "dated").exists() for path in paths] == dated * [True] + (5 - dated) * [False]
+
+
+def test_hundreds_of_sessions_are_dated_within_hours_and_nobody_waits_for_the_disk(store, monkeypatch):
+    """While nothing is recorded there is one look in an hour."""
+    paths = [fill(store) for _ in range(50)]
+    monkeypatch.setattr(os, "fsync", lambda handle: pytest.fail("waits for the disk"))
+    store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+    assert [(path / "dated").read_text() for path in paths] == 50 * ["20261129T120000Z"]
+    assert {stat.S_IMODE((path / "dated").stat().st_mode) for path in paths} == {0o600}
+
+
+@pytest.mark.parametrize("left", [b"", bytes(16), b"2026112"])
+def test_a_date_that_a_power_cut_has_spoilt_is_given_again(store, left):
+    (path := fill(store)).joinpath("dated").write_bytes(left)
+    store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+    assert (path / "dated").read_text() == "20261129T120000Z"
 
 
 def test_by_a_trusted_clock_the_time_in_a_name_counts_whatever_files_say(store):
@@ -114,12 +131,12 @@ def test_what_is_too_old_goes_before_anything_is_written_to_a_disk_that_is_full(
     undated = fill(store)
     SessionWriter(old := store.add("20261001T120000Z"), BEGINNING, "").finish("done")
 
-    def full(path, data):
+    def full(path, mode):
         if old.exists():
             raise OSError(errno.ENOSPC, "No space left on device")
-        write_whole(path, data)
+        return replacing(path, mode)
 
-    monkeypatch.setattr("ross_payload.sessions.session_store.write_whole", full)
+    monkeypatch.setattr("ross_payload.sessions.session_store.replacing", full)
     store.tidy(limits(max_days=30), stamp="20261129T120000Z")
     assert names(store) == ["0001"]
     assert (undated / "dated").exists()
