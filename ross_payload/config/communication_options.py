@@ -64,7 +64,9 @@ class Recording(Table):
     sources: bool = False  # also the separated voice of every source, source-0.flac and so on
     max_gb: Annotated[float, Field(gt=0, le=10_000)] = 4.0  # of all sessions together; the oldest are deleted first
     max_days: Annotated[float, Field(gt=0, le=3650)] = 30.0  # older sessions are deleted
-    min_free_gb: Annotated[float, Field(ge=0, le=10_000)] = 0.5  # free space below which recording stops
+    min_free_gb: Annotated[float, Field(ge=0, le=10_000)] = (
+        0.5  # free space below which recording stops, and streams to files
+    )
     offer_ftp: bool = False  # let peers that may send commands read recordings over MAVLink FTP
     ftp_bytes_s: Annotated[float, Field(ge=100, le=1_000_000)] = (
         50_000.0  # limit, and at most half of the link's budget

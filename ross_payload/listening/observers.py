@@ -127,7 +127,8 @@ class Listening:
             if settings.voice and self._recording is not None:
                 return self._recording.sink(settings.voice)
             options = checked_options(settings.sink, settings.options, settings.title)
-            services = SinkServices(self._clock, rate, number, title, self._folder, self.live)
+            least = self._config.recording.min_free_gb
+            services = SinkServices(self._clock, rate, number, title, self._folder, self.live, least)
             return make_sink(settings.sink, options, services)
 
         return (ThreadedRunner if self.live else DirectRunner)(settings.title, make, self._clock)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -67,6 +68,41 @@ def test_after_a_full_disk_it_goes_on_in_another_file_when_there_is_room(tmp_pat
         f"stream 0: {rig.path}: cannot be {done}: No space left on device" for done in ("written", "made")
     ]
     assert re.fullmatch(rf"stream 0: works again after \d\.\d s; {lost} samples are missing", said[2])
+    assert len(said) == 3
+
+
+def test_what_must_stay_free_ends_the_file_before_the_disk_is_full(tmp_path, monkeypatch, caplog):
+    caplog.set_level("INFO")
+    rig, clock, free = wav(tmp_path, None), FakeClock(), [600_000_000]
+    monkeypatch.setattr(
+        "ross_payload.audio.sinks.file_sink.os.statvfs",
+        lambda path: SimpleNamespace(f_bavail=free[0], f_frsize=1),
+    )
+    rig.services = replace(rig.services, min_free_gb=0.5)
+    runner, samples = DirectRunner("stream 0", rig.make, clock), voice(12.0)
+    for block in blocks(samples):
+        if block.index == 4 * RATE:
+            free[0] = 499_000_000
+        if block.index == 6 * RATE:
+            free[0] = 501_000_000  # enough, and not for a minute of sound more
+        if block.index == 8 * RATE:
+            free[0] = 503_000_000
+        runner.write(block)
+        assert not 5.1 < block.index / RATE < 8 or runner.fault.endswith(
+            "below min_free_gb; [recording] keeps 0.5 GB of the disk free"
+        )
+        clock.sleep(HOP / RATE)
+    lost = runner.lost
+    runner.close()
+    first, rest = rig.received(), soundfile.read(rig.path.with_stem("voice-2"), dtype="float32")[0]
+    assert 4 * RATE <= len(first) <= 5.1 * RATE
+    assert len(rest) >= RATE - HOP
+    assert len(first) + lost + len(rest) == len(samples)
+    said = [each.getMessage() for each in caplog.records if each.getMessage().startswith("stream 0")]
+    assert said[:2] == [
+        f"stream 0: {rig.path}: cannot be {done}: below min_free_gb; [recording] keeps 0.5 GB of the disk free"
+        for done in ("written", "made")
+    ]
     assert len(said) == 3
 
 

@@ -18,6 +18,7 @@ from ross_payload.interfaces import AudioBlock
 from ross_payload.listening.observers import LiveListening, LockstepListening
 from ross_payload.pointing import Pointing
 from ross_payload.streams import StreamOrder
+from ross_payload.telemetry.stream_report import brief
 from voice_sender import ear
 from waiting import wait_for
 
@@ -95,6 +96,20 @@ def test_a_voice_is_what_the_lock_step_gives_but_for_when_it_is_learnt(tmp_path)
         for hop in inputs(MIXTURE[:, : 3 * RATE // 2]):
             lockstep.on_input(hop)
     assert np.array_equal(heard(tmp_path / "live"), heard(tmp_path / "lockstep"))
+
+
+def test_what_recordings_must_leave_free_files_of_streams_leave_free_too(tmp_path):
+    wanted = config(tmp_path).model_copy(
+        update={"recording": Config().recording.model_copy(update={"min_free_gb": 9999})}
+    )
+    hops = (AudioBlock(MIXTURE[:, :HOP], index, index / RATE) for index in itertools.count(0, HOP))
+    with live(wanted, tmp_path) as listening:
+        wait_for(lambda: listening.hear(next(hops)) or any(stream.fault for stream in listening.streams()))
+        assert listening.streams()[0].fault.endswith(
+            "cannot be made: below min_free_gb; [recording] keeps 9999 GB of the disk free"
+        )
+        assert brief(listening.streams()[0].fault) == "below min_free_gb"
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_computer_that_is_too_slow_leaves_out_sound_and_not_places(tmp_path, caplog):

@@ -32,6 +32,7 @@ class SinkServices:
     title: str  # what is listened to, in words: for a file's title, a session's name
     folder: Path  # of files that are named without a folder; need not be there
     live: bool = True  # False: time is simulated, and a sink waits for the disk instead of losing anything
+    min_free_gb: float = 0.0  # of the configuration: free space below which a sink writes no file
 
 
 @dataclass(frozen=True, slots=True)
