@@ -156,9 +156,10 @@ class WavWriter:
         if self._file.closed:
             return
         if self._error is not None:  # which was raised
-            with suppress(soundfile.LibsndfileError):
-                self._file.close()
-            self._place.__exit__(type(self._error), self._error, None)
+            with self._reported():
+                with suppress(soundfile.LibsndfileError):
+                    self._file.close()
+                self._place.__exit__(type(self._error), self._error, None)
             return
         with self._reported(), self._place, closing(self._file):
             self._flush()

@@ -1,5 +1,9 @@
 """A WAV file that is put in place when it is whole."""
 
+import errno
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 import soundfile
@@ -23,6 +27,22 @@ def test_a_file_that_the_disk_does_not_take_leaves_the_earlier_one(tmp_path):
             writer.write(LATER)
     assert list(tmp_path.iterdir()) == [path]
     assert np.array_equal(soundfile.read(path)[0], GOOD)
+
+
+def test_a_file_that_cannot_be_deleted_either_is_told_in_one_line(tmp_path, monkeypatch):
+    """As on a card that fails: the system writes to none of its files from then on."""
+
+    def refused(path, missing_ok=False):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    with (
+        pytest.raises(OutputError, match=r"^target\.wav: cannot be written: Read-only file system$"),
+        WavWriter(tmp_path / "target.wav", RATE, 1) as writer,
+    ):
+        fill(next(tmp_path.iterdir()))
+        monkeypatch.setattr(Path, "unlink", refused)
+        writer.write(LATER)
+    assert [path.name for path in tmp_path.iterdir() if ".part" not in path.name] == []
 
 
 def test_what_was_heard_before_something_else_went_wrong_is_kept(tmp_path):
