@@ -74,7 +74,7 @@ def check(folder: Path, as_json: bool) -> None:
 
     session = RecordedSession.open(folder)
     known, found = session.manifest, session.contents()
-    state = "being recorded" if is_running(folder) else ended(known.end)
+    state = "being recorded" if known.end is None and is_running(folder) else ended(known.end)
     if as_json:
         click.echo(json.dumps(finite({"manifest": asdict(known), "contents": asdict(found)})))
         return

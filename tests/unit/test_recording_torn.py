@@ -1,5 +1,7 @@
 """Sessions that are cut off, damaged, of another version, or of a process that was killed."""
 
+import errno
+import fcntl
 import json
 import math
 import os
@@ -210,6 +212,18 @@ def test_a_session_that_is_being_recorded_is_not_called_cut_off(tmp_path, run):
     assert code == 0
     assert said.startswith("mission, target voice ann, being recorded\n")
     assert only(tmp_path).contents().notes == ()
+
+
+def test_a_session_that_says_its_end_is_over_also_where_no_file_can_be_locked(whole, run, monkeypatch):
+    """As on a share of another computer."""
+
+    def refused(handle, operation):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(fcntl, "flock", refused)
+    code, said, _ = run("sessions", "check", whole.path)
+    assert code == 0
+    assert said.startswith("mission, target voice ann, the program ended\n")
 
 
 # ------------------------------------------------------------------------------------------------ kill -9
