@@ -124,9 +124,13 @@ class SessionStore:
             self.discard(kept.path)
 
     def discard(self, path: Path) -> None:
-        """Remove our files from a folder, and the folder when nothing else is in it; may raise OSError."""
+        """Remove our files from a folder, and the folder when nothing else is in it; may raise OSError.
+
+        session.json goes last: what a kill leaves is a session still, and goes the next time.
+        """
+        ours = [path / name for name in FILES if name != MANIFEST]
         aside = path.glob(f"{MANIFEST}.{ASIDE}*")
-        for file in [*path.glob(f".*{PART}*"), *(path / name for name in FILES), *aside]:
+        for file in [*path.glob(f".*{PART}*"), *ours, *aside, path / MANIFEST]:
             file.unlink(missing_ok=True)
         if not any(path.iterdir()):
             path.rmdir()

@@ -1,8 +1,11 @@
 """The folder of sessions: bounded, and nothing in it is touched that is not a session of ours."""
 
 import errno
+import itertools
 import os
 import stat
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -11,7 +14,7 @@ from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.sessions import session_store
 from ross_payload.sessions.manifest import Beginning
-from ross_payload.sessions.session_store import DAY, SessionStore
+from ross_payload.sessions.session_store import DAY, FILES, SessionStore
 from ross_payload.sessions.session_writer import SessionWriter
 
 BEGINNING = Beginning("mission", Config(), -1.0, 1.0)
@@ -140,6 +143,26 @@ def test_what_is_too_old_goes_before_anything_is_written_to_a_disk_that_is_full(
     store.tidy(limits(max_days=30), stamp="20261129T120000Z")
     assert names(store) == ["0001"]
     assert (undated / "dated").exists()
+
+
+@pytest.mark.parametrize("after", range(len(FILES)))
+def test_what_a_kill_leaves_of_a_session_goes_the_next_time(store, monkeypatch, after):
+    """Voices of people beyond `max_days`, in a folder that no longer said that it is a session, were nobody's."""
+    SessionWriter(path := store.add("20261001T120000Z"), BEGINNING, "").finish("done")
+    for name in ("target.flac", "source-0.flac"):
+        (path / name).write_bytes(b"somebody")
+    unlink, count = Path.unlink, itertools.count()
+
+    def killed(file, missing_ok=False):
+        if next(count) == after:
+            raise KeyboardInterrupt
+        unlink(file, missing_ok=missing_ok)
+
+    with monkeypatch.context() as dying, suppress(KeyboardInterrupt):
+        dying.setattr(Path, "unlink", killed)
+        store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+    store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+    assert not path.exists() or not list(path.iterdir())
 
 
 def test_the_running_session_is_never_deleted(store):
