@@ -12,7 +12,9 @@ from typing import Any
 from ross_payload.computing import computing
 from ross_payload.config import Config, load
 from ross_payload.errors import ConfigError
+from ross_payload.events import Estimate
 from ross_payload.interfaces import Attitude, Mission, VoicePrint
+from ross_payload.json_values import are_finite
 from ross_payload.mission.live_session import Kit, LiveSession
 from ross_payload.mission.mission_sequence import mission
 from ross_payload.mission.tasks import Memory
@@ -147,7 +149,16 @@ def _memory_of(session: RecordedSession) -> Memory:
         found = getattr(memory, name)
         if found is not None and (found.ndim != 2 or leading not in (None, found.shape[:1])):
             raise ConfigError(f"{session.path}/memory.npz: damaged: {name} has the shape {found.shape}")
+    if not are_finite(memory.samples, memory.noise_aboard, *_angles(memory.estimate)):
+        raise ConfigError(f"{session.path}/memory.npz: damaged: expected finite numbers")
     return memory
+
+
+def _angles(estimate: Estimate | None) -> Iterator[float]:
+    """Where the sources of an estimate are, and those of its rivals [rad]."""
+    while estimate is not None:
+        yield from (angle for each in estimate.sources for angle in (each.azimuth, each.elevation) if angle is not None)
+        estimate = estimate.rival
 
 
 def _kit(session: RecordedSession, config: Config, voiceprint: VoicePrint | None) -> Kit:

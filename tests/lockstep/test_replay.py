@@ -247,6 +247,23 @@ def test_noise_of_another_shape_is_refused_with_one_line(taped, tmp_path, run, a
     )
 
 
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"samples": "1" + 400 * "0"},
+        {"noise_aboard": "NaN"},
+        {"estimate": '{"sources":[{"azimuth":NaN,"sigma":0.1,"confidence":1,"resolved":true}]}'},
+        {"estimate": '{"sources":[],"rival":{"sources":[{"azimuth":1e999,"sigma":0,"confidence":1,"resolved":true}]}}'},
+    ],
+)
+def test_numbers_that_cannot_be_in_what_a_session_knew_are_refused_with_one_line(taped, tmp_path, run, values):
+    copied = shutil.copytree(taped[1], tmp_path / "copied")
+    np.savez(copied / "memory.npz", **{name: np.array(text) for name, text in values.items()})
+    code, _, error = run("replay", copied)
+    assert code == 2
+    assert error == f"ross: {copied}/memory.npz: damaged: expected finite numbers\n"
+
+
 # ---------------------------------------------------------------------------------------------- the guide
 
 
