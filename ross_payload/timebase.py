@@ -107,8 +107,10 @@ class Timebase:
         return round(time * 1e6)
 
     def utc(self) -> datetime | None:
-        """Return the time of day; None while no clock can be trusted."""
-        return datetime.fromtimestamp(self.usec() / 1e6, UTC) if self.unix else None
+        """Return the time of day; None while no clock can be trusted. It is set back at once, unlike `usec`."""
+        with self._lock:
+            epoch = self._since_1970()
+            return None if epoch is None else datetime.fromtimestamp(self._clock.now() + epoch, UTC)
 
     def local(self, boot: float) -> float | None:
         """Return the time on our clock [s] of a time on the autopilot's; None before a round trip has told."""

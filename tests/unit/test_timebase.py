@@ -126,6 +126,15 @@ def test_the_date_is_the_autopilots_where_only_that_has_a_clock(bench):
     assert timebase.utc() == datetime(2026, 11, 18, 11, 6, 40, tzinfo=UTC)
 
 
+def test_one_wrong_date_does_not_stay(bench):
+    """By the date recordings are named, and deleted: 2037 for decades would delete all of them."""
+    _, voice, timebase = bench
+    for boot, ahead in ((1.0, 0.0), (2.0, 11 * 31_557_600.0), (3.0, 0.0)):
+        voice.call(Heard(vehicle.system_time(SystemTime(boot=boot, unix=UNIX + ahead))))
+        timebase.usec()
+        assert timebase.utc() == datetime.fromtimestamp(UNIX + ahead, UTC)
+
+
 def test_a_small_difference_is_worked_off_and_not_jumped(bench):
     _, voice, timebase = bench
     voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=UNIX))))
