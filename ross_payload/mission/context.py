@@ -261,7 +261,7 @@ def exchange(context: Context, wish: Output = NOTHING) -> Step[Input]:
     heard = yield wish
     context.last = heard
     context.samples += heard.block.samples.shape[1]
-    context.hearing.add(heard.block.samples, context.settings.rate)
+    context.hearing.add(heard.block.samples, context.settings.rate, heard.block.flags)
     return heard
 
 

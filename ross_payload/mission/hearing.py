@@ -7,13 +7,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ross_payload.interfaces import Samples
+from ross_payload.interfaces import AudioFlag, Samples
 
 LOWEST_HZ = 400.0  # of what is compared: below it hum and wind may be far louder at one microphone
 FAR_LESS_DB = 30.0  # between a dead microphone and the other, as the health of the microphones has it
 SHARE = 0.25  # of a task without sound, from which it cannot tell who is there
 LATELY_S = 2.0  # without sound at its end, from which it cannot either
 PIECE_S = 0.1  # of sound, whose microphones are compared
+SOFT = 2.0**-31  # power that 16 bits may not resolve: of sound no louder than it one microphone may give zeros alone
+NEVER_CAME = AudioFlag.MISSING | AudioFlag.INVALID
 
 
 @dataclass(slots=True)
@@ -44,14 +46,24 @@ class Hearing:
     samples: int = 0
     compared: int = 0  # samples, of them
     missing: _Without = field(default_factory=_Without)
+    quiet: int = 0  # samples of them that are zeros without a flag, since the last sound
     dead: tuple[_Without, _Without] = field(default_factory=lambda: (_Without(), _Without()))
     _waiting: list[Samples] = field(default_factory=list)  # to be compared, once there is enough
 
-    def add(self, samples: Samples, rate: int) -> None:
-        """Take a hop (2, n); zeros stand for samples that never came."""
+    def add(self, samples: Samples, rate: int, flags: AudioFlag = AudioFlag.NONE) -> None:
+        """Take a hop (2, n); zeros stand for samples that never came.
+
+        Those without a flag are a quiet room when sound follows: behind a noise gate, or softer than 16 bits resolve.
+        """
         self.rate = rate
+        sound = bool(samples.any())
         self.samples += samples.shape[1]
-        self.missing.add(samples.shape[1], sound=bool(samples.any()))
+        self.missing.add(samples.shape[1], sound=sound)
+        if sound:
+            self.missing.samples -= self.quiet
+            self.quiet = 0
+        elif not flags & NEVER_CAME:
+            self.quiet += samples.shape[1]
         self._waiting.append(samples)
         if self.samples - self.compared >= PIECE_S * rate:
             piece = np.concatenate(self._waiting, axis=1)
@@ -61,10 +73,12 @@ class Hearing:
 
     def _compare(self, piece: Samples) -> None:
         n = piece.shape[1]
-        spectrum = np.fft.rfft(piece * np.hanning(n))[:, math.ceil(LOWEST_HZ * n / self.rate) :]
+        window = np.hanning(n)
+        spectrum = np.fft.rfft(piece * window)[:, math.ceil(LOWEST_HZ * n / self.rate) :]
         power = np.sum(np.abs(spectrum) ** 2, axis=1)
+        soft = SOFT * np.sum(window**2) * spectrum.shape[1]
         for microphone, other in ((0, 1), (1, 0)):
-            dead = power[microphone] * 10 ** (FAR_LESS_DB / 10) < power[other]  # never where no sound came
+            dead = power[microphone] * 10 ** (FAR_LESS_DB / 10) < power[other] and power[other] > soft
             self.dead[microphone].add(n, sound=not dead)
 
     def fault(self) -> str:

@@ -15,13 +15,13 @@ from session_bench import Bench, make
 SILENT, DEAD = np.array([[0], [0]], np.float32), np.array([[1], [1e-3]], np.float32)
 
 
-def spoilt(factors, begin=0.0, end=1e9):
-    """Multiply what both microphones give from one time to another [s]."""
+def spoilt(factors, begin=0.0, end=1e9, *, every=None, flag=AudioFlag.NONE):
+    """Multiply what both microphones give from one time to another [s], of ``every`` s the first 0.7 of them."""
 
     def on_hop(_, heard):
         time = heard.block.index / RATE
-        if begin <= time < end:
-            return replace(heard, block=replace(heard.block, samples=heard.block.samples * factors))
+        if begin <= time < end and (every is None or time % every < 0.7 * every):
+            return replace(heard, block=replace(heard.block, samples=heard.block.samples * factors, flags=flag))
         return heard
 
     return on_hop
@@ -51,6 +51,25 @@ def test_microphones_that_were_pulled_out_before_the_end_are_no_finding_either()
 def test_gaps_and_knocks_are_no_reason_to_doubt():
     assert rig(likes=7).run(spoilt(SILENT, 1.0, 1.5)).outcome is Outcome.NO_TARGET
     assert rig(likes=7).run(spoilt(DEAD, 1.0, 1.5)).outcome is Outcome.NO_TARGET
+
+
+@pytest.mark.parametrize("explorer", [ThreeTalkers(azimuths=()), ThreeTalkers()])
+def test_a_noise_gate_between_words_does_not_hide_who_is_there_but_a_source_with_gaps_does(explorer):
+    gated = rig(likes=7, explorer=explorer).run(spoilt(SILENT, every=1.0))
+    assert gated.outcome is Outcome.NO_TARGET
+    gaps = rig(likes=7, explorer=explorer).run(spoilt(SILENT, every=1.0, flag=AudioFlag.MISSING))
+    assert gaps.outcome is Outcome.FAULT
+    assert "no audio came for 7" in gaps.reason
+
+
+def test_microphones_that_give_less_than_a_step_of_16_bits_are_not_dead():
+    """Without dither the offset of each decides whether its noise shows at all."""
+    hearing, generator = Hearing(), np.random.default_rng(4)
+    noise = 0.1 * generator.standard_normal((2, 160 * 1000)) + np.array([[0.0], [0.5]])
+    noise[:, -160 * 200 :] += 100 * generator.standard_normal(160 * 200)
+    for hop in np.split((np.round(noise) / 2**15).astype(np.float32), 1000, axis=1):
+        hearing.add(hop, 16000)
+    assert hearing.fault() == ""
 
 
 @pytest.mark.parametrize(("factors", "outcome"), [(DEAD, Outcome.FAULT), (DEAD * 0 + 1, Outcome.COMPLETED)])
