@@ -121,7 +121,7 @@ class _Period:
     speeds: list[tuple[float, ...]] = field(default_factory=list)  # of the rotors at the beginning of every hop [1/s]
     samples: int = 0
     clipped: int = 0  # hops
-    missing: int = 0  # hops
+    missing: int = 0  # hops with samples that never came, or were no numbers
 
     def add(self, hop: Input) -> None:
         self.blocks.append(hop.block.samples)
@@ -131,7 +131,7 @@ class _Period:
         self.speeds.append(hop.attitude.rotor_speeds)
         self.samples += hop.block.samples.shape[1]
         self.clipped += AudioFlag.CLIPPED in hop.block.flags
-        self.missing += AudioFlag.MISSING in hop.block.flags
+        self.missing += bool(hop.block.flags & (AudioFlag.MISSING | AudioFlag.INVALID))
 
     def listening(self) -> Listening:
         """All of it, at the mean heading; at the heading itself when nothing has turned."""

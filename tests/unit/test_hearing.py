@@ -103,6 +103,8 @@ class Expecting(OneGroupEach):
         (AudioFlag.CLIPPED, 20, 9.0),
         (AudioFlag.MISSING, 20, None),
         (AudioFlag.MISSING, 100, 9.0),
+        (AudioFlag.INVALID, 20, None),
+        (AudioFlag.INVALID, 100, 9.0),
         (AudioFlag.NONE, 1, 9.0),
     ],
 )
