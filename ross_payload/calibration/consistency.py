@@ -25,6 +25,7 @@ SURE = 4.0  # standard deviations
 RATIOS = np.arange(0.4, 2.51, 0.05)  # spacing that is tried, over the configured one
 WIDE, NARROW = 1.15, 0.75  # ratios beyond which the configured spacing is wrong
 LEFT = 1.3  # times as much must the configured spacing leave unexplained
+LEFT_ALIKE = 1.2  # times as much must no delay at all leave, or it is noise from all sides and no smaller spacing
 LEFT_TOGETHER = 1.2  # times as much must several sources leave without a delay between the channels
 EXPLAINED = 0.05  # of what was heard must that delay explain besides
 
@@ -84,8 +85,12 @@ def _gain(turn: Turn) -> float | None:
 
 def _fixed(turn: Turn, amplitude: float) -> bool:
     """Whether no delay at all explains clearly more than any source at rest: interference, or one channel twice."""
-    nothing = float(Steered(turn, turn.phase).share(np.zeros((len(turn.headings), 1)))[0])
-    return 1 - float(explained_by(turn, RATIOS * amplitude).max()) > LEFT * (1 - nothing)
+    return 1 - float(explained_by(turn, RATIOS * amplitude).max()) > LEFT * _left_alike(turn)
+
+
+def _left_alike(turn: Turn) -> float:
+    """Share of the weight that no delay at all leaves unexplained."""
+    return 1 - float(Steered(turn, turn.phase).share(np.zeros((len(turn.headings), 1)))[0])
 
 
 def _delay(turn: Turn, amplitude: float) -> float | None:
@@ -102,7 +107,8 @@ def _spacing(turn: Turn, spacing: float, speed_of_sound: float) -> float | None:
     explained = explained_by(turn, RATIOS * spacing / speed_of_sound)
     right = (RATIOS > NARROW) & (RATIOS < WIDE)
     best, near = int(explained.argmax()), float(explained[right].max())
-    if right[best] or 1 - near < LEFT * (1 - explained[best]):
+    left = 1 - explained[best]
+    if right[best] or 1 - near < LEFT * left or (RATIOS[best] < 1 and _left_alike(turn) < LEFT_ALIKE * left):
         return None
     return float(RATIOS[best] * spacing)
 

@@ -136,6 +136,22 @@ def test_what_turns_with_the_array_is_interference_and_no_wrong_spacing():
     assert "turns with it" in line(ArrayContradicted(1.0, None, 0.05, None, inverted=False, fixed=True))[1]
 
 
+def test_noise_from_all_sides_is_no_smaller_spacing():
+    """As of ventilation in a room where nobody talks: most of it is so long that both microphones hear the same."""
+    rng, n, around_us = np.random.default_rng(0), 2 * RATE, 200
+    towards = rng.standard_normal((around_us, 3))
+    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+    frequencies, heard = np.fft.rfftfreq(n, 1 / RATE), []
+    for heading in TURN:
+        waves = np.fft.rfft(rng.standard_normal((around_us, n))) / (1 + frequencies / 300) ** 2
+        along = towards[:, 0] * np.cos(heading) + towards[:, 1] * np.sin(heading)
+        late = np.exp(2j * np.pi * frequencies * 0.05 / SPEED * along[:, None])
+        both = np.fft.irfft([waves.sum(axis=0), (waves * late).sum(axis=0)])
+        both = 0.01 * both / both.std() + 5e-4 * rng.standard_normal((2, n))
+        heard.append(heading_spectrum(both.astype(np.float32), RATE, float(heading)))
+    assert contradiction(heard, 0.05, SPEED) == Contradiction()
+
+
 def test_polarity_is_told_in_words():
     assert "polarity of one microphone is reversed" in line(ArrayContradicted(1.0, None, 0.05, None, inverted=True))[1]
 
