@@ -8,9 +8,12 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import MISSING, fields
+from itertools import starmap
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ross_payload import events
 from ross_payload.atomic_files import json_text, make_private, replacing
 from ross_payload.audio.audio_files import write_wav
 from ross_payload.errors import ConfigError, OutputError, refused_as
@@ -75,17 +78,28 @@ def report(session: RecordedSession, replay_state: Replayed, rate: int) -> dict[
 
 def identical(ours: Sequence[str], recorded: Sequence[str], *, cut_off: bool) -> bool:
     """Whether two event logs are the same; of a session that was cut off, as far as both go."""
-    common = min(len(ours), len(recorded)) if cut_off else max(len(ours), len(recorded))
-    return list(ours[:common]) == list(recorded[:common])
+    whole = cut_off or len(ours) == len(recorded)
+    return whole and all(starmap(_same, zip(ours, recorded, strict=False)))
 
 
 def difference(ours: Sequence[str], recorded: Sequence[str]) -> dict[str, Any] | None:
     """Return the first event that differs, None when none does before one of the logs ends."""
     for number, (one, other) in enumerate(zip(ours, recorded, strict=False), 1):
-        if one != other:
+        if not _same(one, other):
             now, was = json.loads(one), json.loads(other)
             return {"line": number, "recorded": [was["event"], was["time"]], "replayed": [now["event"], now["time"]]}
     return None
+
+
+def _same(ours: str, recorded: str) -> bool:
+    """Whether two lines are the same event; what a field that is younger than the recording tells is its default."""
+    if ours == recorded:
+        return True
+    now, was = json.loads(ours), json.loads(recorded)
+    kind = vars(events).get(now["event"])
+    known = fields(kind) if isinstance(kind, type) and issubclass(kind, Event) else ()
+    younger = {each.name: each.default for each in known if each.name not in was and each.default is not MISSING}
+    return bool(now == younger | was)
 
 
 def write(folder: Path, values: dict[str, Any], replay_state: Replayed, rate: int) -> None:
