@@ -106,6 +106,10 @@ class OutputError(RossError):
     """Results cannot be written any more: the disk is full or gone."""
 
 
+class TimeStandsStill(RuntimeError):
+    """A clock does not move on, so that nothing that waits for it ends: a defect, for which nobody's input stands."""
+
+
 def unkept(what: str, error: OSError) -> RossError:
     """Return the error of a file that cannot be kept: `OutputError` where the disk takes no more, else `ConfigError`.
 

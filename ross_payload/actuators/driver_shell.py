@@ -17,7 +17,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field
 
-from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed
+from ross_payload.errors import ActuatorFault, LimitError, LinkError, NotHomed, TimeStandsStill
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, Feedback, Port, Services
 from ross_payload.transport.async_task import drained
 
@@ -108,15 +108,15 @@ def wait(clock: Clock, duration: float) -> None:
 
     Raises
     ------
-    RuntimeError
-        When time itself stands still, as in a simulation that has failed: nothing comes to rest any more.
+    TimeStandsStill
+        As in a simulation that has failed: nothing comes to rest any more.
     """
     begin = clock.now()
     try:
         clock.sleep(duration)
-    except RuntimeError:
+    except RuntimeError as error:
         if clock.now() <= begin:
-            raise
+            raise TimeStandsStill(str(error)) from error
 
 
 class DriverShell:

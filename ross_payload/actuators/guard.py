@@ -17,6 +17,7 @@ from typing import Self
 
 from ross_payload import config
 from ross_payload.actuators.guard_checks import (
+    DRIVER_RAISES,
     STILL_RAD_S,
     checked_angle,
     checked_rate,
@@ -28,7 +29,7 @@ from ross_payload.actuators.guard_checks import (
     reported,
 )
 from ross_payload.actuators.motion_monitor import PARKING, MotionMonitor
-from ross_payload.errors import ActuatorError, ActuatorFault, ConfigError, NotHomed, RossError
+from ross_payload.errors import ActuatorError, ActuatorFault, ConfigError, NotHomed, RossError, TimeStandsStill
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, SharedControl
 
 TURNS_ON, UNKNOWN = "and it still turns after the stop", "and nobody knows whether it stands"
@@ -58,8 +59,8 @@ class Guard:
         self._actuator = actuator
         self._rules = rules
         self._clock = clock
-        self._hardware = actuator.capabilities
-        self.capabilities: Capabilities = guarded(self._hardware, rules)
+        self._hardware: Capabilities | None = actuator.capabilities
+        self.capabilities: Capabilities = guarded(actuator.capabilities, rules)
         self._unfit = ""  # why what the device tells of itself since cannot be used
         self._stopped = False
         self._fault = self._later = ""  # the first fault, and the last of what came on top of it
@@ -213,8 +214,9 @@ class Guard:
         self._monitor.opened = self._clock.now()
         self._update_limits()
         if self._unfit:
-            self._actuator.__exit__(None, None, None)
-            raise ConfigError(self._unfit)
+            unfit = ConfigError(self._unfit)
+            self.__exit__(ConfigError, unfit, None)
+            raise unfit
         return self
 
     def __exit__(
@@ -223,9 +225,9 @@ class Guard:
         """Stop and close; idempotent; errors as of `__enter__`, in the log alone where another one is on its way."""
         self._monitor.forget()
         try:
-            with driver_faults(RuntimeError):  # which a clock that stands still raises
+            with driver_faults(TimeStandsStill):
                 self._actuator.__exit__(kind, error, trace)
-        except ActuatorFault as fault:
+        except RossError as fault:
             if error is None:
                 raise
             log.warning("while closing the actuator: %s", fault)
@@ -254,7 +256,7 @@ class Guard:
         except ActuatorError:
             self._monitor.request_refused(self._clock.now())
             raise
-        except Exception as error:
+        except DRIVER_RAISES as error:
             fault = str(error) if isinstance(error, RossError) else driver_broke(error)
             self._monitor.request_refused(self._clock.now())
             self._latch(fault)
@@ -263,19 +265,19 @@ class Guard:
 
     def _halt(self) -> None:
         """Decelerate; never raises: a stop that fails is a fault, and is tried again by `poll`."""
+        try:
+            self._actuator.stop()  # before anything else is asked of the driver: it may never answer
+        except DRIVER_RAISES as error:
+            self._fail("stop", error)
         if self._monitor.busy(self._read()):
             self._monitor.expect_rest(self._clock.now(), self.capabilities)
-        try:
-            self._actuator.stop()
-        except Exception as error:
-            self._fail("stop", error)
 
     # ------------------------------------------------------------------------------------------ reports
 
     def _read(self) -> ActuatorState:
         try:
             return reported(self._actuator.state())
-        except Exception as error:
+        except DRIVER_RAISES as error:
             return ActuatorState(0.0, 0.0, False, homed=False, healthy=False, time=-math.inf, fault=driver_broke(error))
 
     def _doubt(self, state: ActuatorState) -> str:
@@ -284,14 +286,16 @@ class Guard:
 
     def _update_limits(self) -> None:
         """Take in what a device tells of itself after it was opened."""
-        hardware = self._actuator.capabilities
-        if hardware == self._hardware:
-            return
-        self._hardware = hardware
         try:
+            hardware = self._actuator.capabilities
+            if hardware == self._hardware:
+                return
+            self._hardware = hardware
             self.capabilities, self._unfit = guarded(hardware, self._rules), ""
         except ConfigError as error:
             self._unfit = str(error)
+        except DRIVER_RAISES as error:
+            self._hardware, self._unfit = None, driver_broke(error)
 
     def _polled(self, now: float) -> str:
         """Poll the actuator; say what is wrong while something moves or holds a goal; empty when all is well."""
@@ -301,7 +305,7 @@ class Guard:
             state = reported(self._actuator.state())
         except RossError as error:
             return str(error)
-        except Exception as error:  # a bug in a driver must not end its polling: it may still be able to decelerate
+        except DRIVER_RAISES as error:  # a bug in a driver must not end its polling: it may still be able to decelerate
             return driver_broke(error)
         self._monitor.on_report(state)
         if not self._monitor.busy(state):
@@ -332,7 +336,7 @@ class Guard:
                 self._park()
             else:
                 self._halt()
-        except Exception as error:
+        except DRIVER_RAISES as error:
             self._halt()
             self._fail("fault action", error)
 
@@ -348,7 +352,7 @@ class Guard:
         if self._stopped:
             self._halt()
 
-    def _fail(self, what: str, error: Exception) -> None:
+    def _fail(self, what: str, error: BaseException) -> None:
         failure = f"the {what} failed: {error if isinstance(error, RossError) else driver_broke(error)}"
         self._failed = True
         self._later = f"and {failure}" if self._fault else ""

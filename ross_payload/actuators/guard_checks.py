@@ -19,6 +19,7 @@ LIMIT_TOLERANCE_RAD = 1e-9  # [rad], so that a limit itself is inside the limits
 MAX_AHEAD_S = 0.05  # a report may be so far ahead of the clock [s]
 PATIENCE_S = 2.0  # without a poll: so long no report grows stale
 STILL_RAD_S = math.radians(2)  # slower is at rest [rad/s]
+DRIVER_RAISES = (Exception, SystemExit)  # what a driver may raise; none of it ends the program, or keeps a stop from it
 SLOWEST_RAD_S = 1e-6  # least speed that is one: a radian in 12 days [rad/s]
 
 
@@ -138,7 +139,7 @@ def judged_at(state: ActuatorState, polled: float, now: float) -> float:
     return now if state.time > polled else max(polled, now - PATIENCE_S)
 
 
-def driver_broke(error: Exception) -> str:
+def driver_broke(error: BaseException) -> str:
     """Say that a driver has raised what no driver should.
 
     >>> driver_broke(ZeroDivisionError("by zero"))
@@ -188,7 +189,7 @@ def driver_faults(*others: type[Exception]) -> Iterator[None]:
     """
     try:
         yield
-    except Exception as error:
+    except DRIVER_RAISES as error:
         if isinstance(error, (RossError, *others)):
             raise
         raise ActuatorFault(driver_broke(error)) from error

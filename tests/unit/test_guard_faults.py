@@ -74,25 +74,31 @@ def test_numbers_of_numpy_in_a_report_become_those_of_python() -> None:
     assert json.dumps(asdict(on.guard.state())).startswith('{"angle": 0.5, "rate": 0.0, "settled": true, ')
 
 
-def test_a_driver_that_raises_while_it_is_opened_or_closed_is_a_fault() -> None:
+@pytest.mark.parametrize("error", [OSError("pulled"), RuntimeError("pulled")])
+def test_a_driver_that_raises_while_it_is_opened_or_closed_is_a_fault(error: Exception) -> None:
     class Lost(Device):
         def __enter__(self) -> Device:
             raise OSError("no such device")
 
         def __exit__(self, *_: object) -> None:
-            raise OSError("pulled")
+            raise error
 
     guard = Guard(Lost(), config.Guard(), SimClock())
     with pytest.raises(ActuatorFault, match=r"^the driver broke: OSError\('no such device'\)$"):
         guard.__enter__()
-    with pytest.raises(ActuatorFault, match=r"^the driver broke: OSError\('pulled'\)$"):
+    with pytest.raises(ActuatorFault, match=rf"^the driver broke: {type(error).__name__}\('pulled'\)$"):
         guard.__exit__(None, None, None)
 
 
-def test_what_a_driver_raises_while_it_is_closed_hides_no_other_error(caplog: pytest.LogCaptureFixture) -> None:
+@pytest.mark.parametrize(
+    ("raised", "words"), [(OSError("pulled"), "the driver broke: OSError('pulled')"), (LinkError("gone"), "gone")]
+)
+def test_what_a_driver_raises_while_it_is_closed_hides_no_other_error(
+    raised: Exception, words: str, caplog: pytest.LogCaptureFixture
+) -> None:
     class Lost(Device):
         def __exit__(self, *_: object) -> None:
-            raise OSError("pulled")
+            raise raised
 
     def fail() -> None:
         with Guard(Lost(), config.Guard(), SimClock()):
@@ -100,7 +106,7 @@ def test_what_a_driver_raises_while_it_is_closed_hides_no_other_error(caplog: py
 
     with pytest.raises(OutputError, match="the disk is full"):
         fail()
-    assert "while closing the actuator: the driver broke: OSError('pulled')" in caplog.text
+    assert f"while closing the actuator: {words}" in caplog.text
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError("bug"), LinkError("gone")])
