@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_validator
 from pydantic_core import ErrorDetails
@@ -43,25 +43,39 @@ class Table(BaseModel):
     @classmethod
     def _no_switch_for_a_number(cls, value: Any, info: ValidationInfo) -> Any:
         """Refuse true and false where a number is expected: they would be 1 and 0, such as a heading that is known."""
-        if isinstance(value, bool) and _is_number(cls.model_fields[str(info.field_name)].annotation):
-            raise ValueError(f"expected a number, got {str(value).lower()}")
+        if _holds_switch(value) and _is_number(cls.model_fields[str(info.field_name)].annotation):
+            raise ValueError(f"expected {'a number' if isinstance(value, bool) else 'numbers'}, got {_toml(value)}")
         return value
 
 
+def _holds_switch(value: Any) -> bool:
+    """Whether a value is true or false, or a list that has any."""
+    return isinstance(value, bool) or (isinstance(value, list | tuple) and any(map(_holds_switch, value)))
+
+
+def _toml(value: Any) -> str:
+    """Return a value, or a list, whose switches stand as in the file."""
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_toml, value))}]"
+    return str(value).lower() if isinstance(value, bool) else shown(value)
+
+
 def _is_number(annotation: Any) -> bool:
-    """Whether what a key may have is a number, and not a switch as well."""
+    """Whether what a key may have is a number, or a list of them, and not a switch as well."""
     parts = set(_parts(annotation))
     return bool(parts & {int, float}) and bool not in parts
 
 
 def _parts(annotation: Any) -> Iterator[Any]:
-    """The types among which a value may be; those inside a tuple are not."""
+    """The types among which a value, or one in a list, may be."""
     inner = get_args(annotation)
     if get_origin(annotation) is Annotated:
         yield from _parts(inner[0])
-    elif get_origin(annotation) in (Union, UnionType):
+    elif get_origin(annotation) in (Union, UnionType, tuple):
         for part in inner:
             yield from _parts(part)
+    elif get_origin(annotation) is Literal:
+        yield from map(type, inner)
     else:
         yield annotation
 
@@ -99,10 +113,11 @@ def validated(model: type[Model], values: Any, where: str) -> Model:
 def _explain(error: ValidationError, model: type[BaseModel]) -> str:
     errors = sorted(error.errors(), key=lambda each: each["type"] != "extra_forbidden")  # a misspelt key first
     first, others = errors[0], len(errors) - 1
-    key = ".".join(str(part) for part in first["loc"] if not KIND.fullmatch(str(part)))
     more = f"; and {others} more" if others else ""
     if first["type"] == "extra_forbidden":
+        key = ".".join(map(str, first["loc"]))  # its last part is the file's own, whatever it looks like
         return f"unknown key {shown(key)}{near(str(first['loc'][-1]), _keys(model, first['loc'][:-1]))}{more}"
+    key = ".".join(str(part) for part in first["loc"] if not KIND.fullmatch(str(part)))
     return f"{key}: " * bool(key) + _wrong(first) + more
 
 

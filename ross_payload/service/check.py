@@ -113,7 +113,7 @@ def _check_links(config: Config) -> None:
         ("gimbal.mode", config.gimbal.mode, "device"),
         ("telemetry.system_id", config.telemetry.system_id, 0),  # without one nothing but heartbeats is ever sent
     ):
-        if value == needs and "autopilot" not in roles:
+        if value == needs and "autopilot" not in roles and (roles or needs):
             raise ConfigError(f"{key} = {value!r}: expected a link of role 'autopilot', got none")
     if config.actuator.kind == "mavlink_gimbal" and not config.links:
         raise ConfigError("actuator.kind = 'mavlink_gimbal': expected [[links]] as the way to it, got none")

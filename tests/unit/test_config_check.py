@@ -75,6 +75,7 @@ BAD = {
     "options = { max_lag_deg = 1e9 }\n",
     "a drive whose home lies outside its travel": "[actuator]\nkind = 'canopen_drive'\n"
     "options = { homing = 'here', zero_deg = 720.0 }\n",
+    "a switch for one of some numbers": "[actuator]\noptions = { microsteps = true }\n",
     "too little travel to turn without a pause": "[explore]\ncontinuous = true\n[actuator]\nkind = 'canopen_drive'\n"
     "options = { lower_deg = -20.0, upper_deg = 20.0 }\n",
     "no such explorer": "[explore]\nmethod = 'guess'\n",
@@ -148,6 +149,11 @@ def test_checking_makes_no_folder_and_opens_no_device(run, tmp_path):
     (tmp_path / "good.toml").write_text(text)
     assert run("config", "check", "good.toml") == (0, "good.toml: good\n", "")
     assert not (tmp_path / "new").exists()
+
+
+def test_without_a_link_no_autopilot_has_to_tell_the_system_id(run, tmp_path):
+    (tmp_path / "good.toml").write_text("[telemetry]\nsystem_id = 0\n")
+    assert run("config", "check", "good.toml") == (0, "good.toml: good\n", "")
 
 
 def test_a_recording_folder_that_cannot_be_made_is_noted_and_refuses_nothing(run, tmp_path):
