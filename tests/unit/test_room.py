@@ -212,3 +212,14 @@ def test_cache_folder_follows_the_environment(monkeypatch):
     monkeypatch.setenv("ROSS_CACHE", "/b")
     assert cache_folder() == Path("/b")
     assert cache_folder(Path("/c")) == Path("/c")
+
+
+def test_a_room_that_the_memory_cannot_hold_is_refused_in_one_line(monkeypatch):
+    def full(_):
+        raise MemoryError("std::bad_alloc")
+
+    monkeypatch.setattr("pyroomacoustics.ShoeBox.image_source_model", full)
+    with pytest.raises(
+        ConfigError, match=r"^t60 = 1 s in a room of 10 x 9 m: its reflections do not fit into the memory"
+    ):
+        respond(spec(size=(10.0, 9.0), t60=1.0), [0.0])

@@ -61,6 +61,12 @@ def test_azimuths_are_wrapped():
     assert scenario({"azimuth_deg": 270}).azimuths() == pytest.approx((-math.pi / 2,))
 
 
+def test_a_small_room_that_rings_for_long_is_none_too_large():
+    """19 million reflections: 5 GB while it is computed."""
+    room = {"size_m": [3, 3, 3], "t60_s": 1.5}
+    assert validated(Scenario, {"title": "x", "talkers": [{"azimuth_deg": 0, "distance_m": 0.8}], "room": room}, "bath")
+
+
 @pytest.mark.parametrize(
     ("values", "message"),
     [

@@ -22,7 +22,9 @@ Real = NDArray[np.floating[Any]]
 PYROOMACOUSTICS = version("pyroomacoustics")  # needed here; imported when a room is computed, which takes a second
 CLEARANCE = 0.2  # [m], nearest a source may come to the centre of the array
 WALL = 0.01  # [m], nearest anything may come to a wall
-MOST_IMAGES = 10_000_000  # of one source: each takes some 120 bytes while a room is computed
+MOST_IMAGES = (
+    50_000_000  # of one source: each takes 250 bytes while a room is computed, and 60 for every further source
+)
 SPEED_OF_SOUND = 343.0  # [m/s]
 SINC = 81  # taps of a fractional delay; every response starts SINC // 2 samples late
 _ONE_AT_A_TIME = threading.Lock()  # a room that is kept has one array, and the library's constants are everybody's
@@ -117,7 +119,13 @@ def _room_with_images(spec: RoomSpec) -> Any:
     room.add_microphone(list(spec.array_centre))
     for source in spec.sources:
         room.add_source(list(source))
-    room.image_source_model()
+    try:
+        room.image_source_model()
+    except MemoryError as error:
+        raise ConfigError(
+            f"t60 = {spec.t60:g} s in a room of {_text(spec.size)} m: its reflections do not fit into the memory; "
+            "use a shorter T60 or a larger room"
+        ) from error
     for source in room.sources:  # what is of use to directive sources alone
         source.orders = source.orders_xyz = source.walls = source.generators = None
     return room
