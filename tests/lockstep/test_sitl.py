@@ -9,6 +9,7 @@ import time
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +18,10 @@ import soundfile
 from command_line import called_once
 from examples import in_soak
 from mission_fixtures import without_picture
+from ross_payload.orders import Stop
 from ross_payload.service.runner import Runner
+from ross_sim.clock import SimClock
+from ross_sim.sitl import mission_session
 from short_mission import CHEAP, PAIR, SOON, brief, changed
 
 pytestmark = pytest.mark.lockstep
@@ -309,6 +313,19 @@ def test_a_second_signal_ends_a_mission_whose_plug_in_computes_for_ever(number, 
             process.kill()
     assert (process.returncode, err.strip()) == (130, "ross: interrupted")
     assert not out.exists()
+
+
+def test_a_signal_that_a_script_passes_on_is_no_second_one():
+    """A terminal gives Ctrl-C to a script and to what it runs; the script gives SIGTERM to that."""
+    clock, orders = SimClock(), []
+    stop = mission_session._stopping(SimpleNamespace(order=orders.append), clock)
+    stop("SIGINT")
+    clock.sleep(0.05)
+    stop("SIGTERM")
+    assert set(orders) == {Stop()}
+    clock.sleep(0.2)
+    with pytest.raises(KeyboardInterrupt):
+        stop("SIGINT")
 
 
 def test_limits_that_exclude_every_alignment_end_cleanly(mission, short):

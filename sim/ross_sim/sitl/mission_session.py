@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass, replace
@@ -21,7 +22,7 @@ from ross_payload.config import VEHICLE_YAW, Config, Link
 from ross_payload.config import Guard as Rules
 from ross_payload.errors import OutputError
 from ross_payload.events import Separated
-from ross_payload.interfaces import ActuatorState, Attitude, Mount, Result, Services
+from ross_payload.interfaces import ActuatorState, Attitude, Clock, Mount, Result, Services
 from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
 from ross_payload.mission.mission_sequence import mission
@@ -58,6 +59,7 @@ from ross_sim.sitl.world import World
 from ross_sim.vehicle_table import Vehicle
 
 POLL = 0.010  # [s] between two polls of drivers and links
+SAME_SIGNAL_S = 0.1  # within this, signals to end mean one: of the terminal, and of a script that passes it on
 Looking = AbstractContextManager[list[Observer]]
 
 
@@ -103,7 +105,7 @@ def perform(
             stack, scenario, company, view, out, speed=speed, record=record, page=page, tracker=tracker, cache=cache
         )
         ready = wall.now()
-        with on_signal(_stopping(staged.runner)):
+        with on_signal(_stopping(staged.runner, wall)):
             result = staged.runner.run()
         staged.listening.close()
         _expect_whole(staged.listening)
@@ -126,18 +128,18 @@ def perform(
     return Finished(result, values, timing, staged.cost, tuple(complaints))
 
 
-def _stopping(runner: Runner) -> Callable[[str], None]:
-    """Return what a signal to end does: the first stops the mission at its next hop, any other ends all at once.
+def _stopping(runner: Runner, wall: Clock) -> Callable[[str], None]:
+    """Return what a signal to end does: the first stops the mission at its next hop, a later one ends all at once.
 
     A plug-in may compute for ever.
     """
-    asked = False
+    asked = math.inf
 
     def stop(name: str) -> None:
         nonlocal asked
-        if asked:
+        if wall.now() - asked > SAME_SIGNAL_S:
             raise KeyboardInterrupt
-        asked = True
+        asked = min(asked, wall.now())
         runner.order(Stop())
 
     return stop
