@@ -111,7 +111,7 @@ def _check_links(config: Config) -> None:
     for key, value, needs in (
         ("mount.source", config.mount.source, "autopilot"),
         ("gimbal.mode", config.gimbal.mode, "device"),
-        ("telemetry.system_id", config.telemetry.system_id, 0),  # without one nothing but heartbeats is ever sent
+        ("telemetry.system_id", config.telemetry.system_id, 0),  # without one nothing is ever sent
     ):
         if value == needs and "autopilot" not in roles and (roles or needs):
             raise ConfigError(f"{key} = {value!r}: expected a link of role 'autopilot', got none")

@@ -169,6 +169,17 @@ def test_a_payload_that_does_not_end_is_killed(tmp_path, environment):
     assert (flown.returncode, flown.stderr) == (1, "the payload did not end within 1 s and was killed\n")
 
 
+def test_a_script_that_is_told_to_end_waits_no_longer_for_its_payload(tmp_path, environment):
+    (tmp_path / "ross").write_text("#!/bin/sh\ntrap '' TERM\ntouch started\nwhile true; do sleep 0.1; done\n")
+    (tmp_path / "ross").chmod(0o755)
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import os, signal, time\ntime.sleep(1)\nos.kill(os.getppid(), signal.SIGTERM)\ntime.sleep(0.5)\n"
+    )
+    flown = fly(tmp_path, environment | {"GRACE": "1"}, "demo", program)
+    assert (flown.returncode, flown.stderr) == (130, "")
+
+
 def test_the_action_hands_every_input_on():
     text = (CI / "action.yml").read_text()
     inputs = re.findall(r"^  (\w+):$", text.partition("runs:")[0], re.M)

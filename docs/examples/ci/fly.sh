@@ -22,16 +22,20 @@ with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
 
 "$ross" sitl --serve --scenario "$scenario" --speed "${SPEED:-4}" --seed "${SEED:-0}" \
   --telemetry "udpout:127.0.0.1:$port" --out "$out" > "$out/payload.log" 2>&1 &
-payload=$!
-trap 'kill -TERM "$payload" 2> /dev/null; wait "$payload"; exit 130' INT TERM
+payload=$! killer='' ended=0
+finish() {
+  kill -TERM "$payload" 2> /dev/null || true
+  [ -z "$killer" ] || kill "$killer" 2> /dev/null || true
+  (sleep "${GRACE:-30}" && kill -KILL "$payload") > /dev/null 2>&1 &  # one whose plug-in never returns does not end
+  killer=$!
+  wait "$payload" 2> /dev/null || ended=$?  # the shell says "Terminated" there
+  kill "$killer" 2> /dev/null || true
+}
+trap 'finish; exit 130' INT TERM
 
 status=0
 "$python" "$program" "udpin:127.0.0.1:$port" "$scenario" "$@" || status=$?
-kill -TERM "$payload" 2> /dev/null || true
-(sleep "${GRACE:-30}" && kill -KILL "$payload") > /dev/null 2>&1 &  # one whose plug-in never returns does not end
-killer=$! ended=0
-wait "$payload" 2> /dev/null || ended=$?  # the shell says "Terminated" there
-kill "$killer" 2> /dev/null || true
+finish
 if [ "$ended" -eq 137 ]; then
   echo "the payload did not end within ${GRACE:-30} s and was killed" >&2
   [ "$status" -ne 0 ] || status=1
