@@ -61,10 +61,10 @@ def rows(model, about) -> list[str]:
 
 
 def choices(annotation, means: str) -> str:
-    """The words that a field may have, in brackets, where what it means does not name them all."""
+    """The words or numbers that a field may have, in brackets, where what it means does not name them all."""
     kinds = (annotation, *get_args(annotation))
     words = next((get_args(kind) for kind in kinds if get_origin(kind) is Literal), ())
-    shown = [word for word in words if isinstance(word, str) and word]
+    shown = [str(word) for word in words if word != ""]
     told = len(shown) < 2 or all(word in means for word in shown)
     return "" if told else f" ({', '.join(f'`{word}`' for word in shown)})"
 
