@@ -339,13 +339,16 @@ def test_a_task_that_cannot_be_prepared_is_refused_and_the_payload_goes_on():
     bench = Bench(make=prepared)
     bench.hop()
     wrong.append(True)
-    bench.hop(Park(number=1))
+    bench.hop(Explore(number=1))
     bench.over(1)
     assert (bench.answers(1), bench.reason(1)) == ([Answer.REFUSED], "two voice models: which one?")
-    wrong.clear()
-    bench.hop(Park(number=2))
+    bench.hop(Park(number=2))  # needs none of them
     bench.over(2)
     assert bench.answers(2) == [Answer.ACCEPTED, Answer.DONE]
+    wrong.clear()
+    bench.hop(Explore(number=3))
+    bench.over(3)
+    assert bench.answers(3)[-1] is Answer.DONE
 
 
 def test_a_stop_that_comes_with_a_task_in_place_of_another_is_obeyed():
