@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -161,21 +161,31 @@ def reported(state: Any) -> ActuatorState:
     >>> reported(ActuatorState(1, 0.0, True, True, True, time=7.0)).angle
     1.0
     """
+    if _is_plain(state):
+        return state
     if not isinstance(state, ActuatorState):
         raise TypeError(f"expected a state of type ActuatorState, got {type(state).__name__}")
     numbers = {"angle": state.angle, "rate": state.rate, "time": state.time}
     truths = {"settled": state.settled, "homed": state.homed, "healthy": state.healthy}
-    if all(type(n) is float for n in numbers.values()) and all(type(t) is bool for t in truths.values()):
-        values: dict[str, Any] = {}  # as nearly always
-    else:
-        for kind, wanted, named in (((bool, np.bool_), "true or false", truths), (Real, "a number", numbers)):
-            for name, value in named.items():
-                if not isinstance(value, kind):
-                    raise TypeError(f"expected {wanted} as {name}, got {value!r}")
-        values = {name: float(n) for name, n in numbers.items()} | {name: bool(t) for name, t in truths.items()}
+    for kind, wanted, named in (((bool, np.bool_), "true or false", truths), (Real, "a number", numbers)):
+        for name, value in named.items():
+            if not isinstance(value, kind):
+                raise TypeError(f"expected {wanted} as {name}, got {value!r}")
     if not isinstance(state.fault, str):
         raise TypeError(f"expected a text as fault, got {state.fault!r}")
-    return replace(state, **values) if values else state
+    values: dict[str, Any] = {name: float(n) for name, n in numbers.items()}
+    values |= {name: bool(t) for name, t in truths.items()}
+    return replace(state, **values)
+
+
+def _is_plain(state: Any) -> TypeGuard[ActuatorState]:
+    """Whether a report has Python's own values already, as nearly always."""
+    return (
+        type(state) is ActuatorState
+        and type(state.angle) is type(state.rate) is type(state.time) is float
+        and type(state.settled) is type(state.homed) is type(state.healthy) is bool
+        and type(state.fault) is str
+    )
 
 
 @contextmanager

@@ -130,8 +130,9 @@ class _Period:
         self.aboard.append(hop.pointing.heading - hop.pointing.base)
         self.speeds.append(hop.attitude.rotor_speeds)
         self.samples += hop.block.samples.shape[1]
-        self.clipped += AudioFlag.CLIPPED in hop.block.flags
-        self.missing += bool(hop.block.flags & (AudioFlag.MISSING | AudioFlag.INVALID))
+        if hop.block.flags:
+            self.clipped += AudioFlag.CLIPPED in hop.block.flags
+            self.missing += bool(hop.block.flags & (AudioFlag.MISSING | AudioFlag.INVALID))
 
     def listening(self) -> Listening:
         """All of it, at the mean heading; at the heading itself when nothing has turned."""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
+from scipy.fft import rfft
 
 from ross_payload.interfaces import AudioFlag, Samples
 
@@ -13,7 +15,7 @@ LOWEST_HZ = 400.0  # of what is compared: below it hum and wind may be far loude
 FAR_LESS_DB = 30.0  # between a dead microphone and the other, as the health of the microphones has it
 SHARE = 0.25  # of a task without sound, from which it cannot tell who is there
 LATELY_S = 2.0  # without sound at its end, from which it cannot either
-PIECE_S = 0.1  # of sound, whose microphones are compared
+PIECE_S = 0.1  # of sound, which is judged
 SOFT = 2.0**-31  # power that 16 bits may not resolve: of sound no louder than it one microphone may give zeros alone
 NEVER_CAME = AudioFlag.MISSING | AudioFlag.INVALID
 
@@ -43,40 +45,43 @@ class Hearing:
     """
 
     rate: int = 1  # [Hz]
-    samples: int = 0
-    compared: int = 0  # samples, of them
+    samples: int = 0  # in pieces
     missing: _Without = field(default_factory=_Without)
     quiet: int = 0  # samples of them that are zeros without a flag, since the last sound
     dead: tuple[_Without, _Without] = field(default_factory=lambda: (_Without(), _Without()))
-    _waiting: list[Samples] = field(default_factory=list)  # to be compared, once there is enough
+    _piece: list[Samples] = field(default_factory=list)  # the next one
+    _length: int = 0  # of it [samples]
+    _gone: int = 0  # samples of it that never came
 
     def add(self, samples: Samples, rate: int, flags: AudioFlag = AudioFlag.NONE) -> None:
         """Take a hop (2, n); zeros stand for samples that never came.
 
         Those without a flag are a quiet room when sound follows: behind a noise gate, or softer than 16 bits resolve.
         """
-        self.rate = rate
-        sound = bool(samples.any())
-        self.samples += samples.shape[1]
-        self.missing.add(samples.shape[1], sound=sound)
-        if sound:
-            self.missing.samples -= self.quiet
-            self.quiet = 0
-        elif not flags & NEVER_CAME:
-            self.quiet += samples.shape[1]
-        self._waiting.append(samples)
-        if self.samples - self.compared >= PIECE_S * rate:
-            piece = np.concatenate(self._waiting, axis=1)
-            self._waiting.clear()
-            self.compared = self.samples
-            self._compare(piece)
+        n = samples.shape[1]
+        self._piece.append(samples)
+        self._length += n
+        if flags and flags & NEVER_CAME and not samples.any():
+            self._gone += n
+        if self._length >= PIECE_S * rate:
+            self.rate = rate
+            self._judge(np.concatenate(self._piece, axis=1), self._gone)
+            self._piece.clear()
+            self._length = self._gone = 0
 
-    def _compare(self, piece: Samples) -> None:
-        n = piece.shape[1]
-        window = np.hanning(n)
-        spectrum = np.fft.rfft(piece * window)[:, math.ceil(LOWEST_HZ * n / self.rate) :]
-        power = np.sum(np.abs(spectrum) ** 2, axis=1)
-        soft = SOFT * np.sum(window**2) * spectrum.shape[1]
+    def _judge(self, piece: Samples, gone: int) -> None:
+        n, sound = piece.shape[1], bool(piece.any())
+        self.samples += n
+        self.missing.add(n, sound=sound)
+        if sound:
+            self.missing.samples += gone - self.quiet
+            self.quiet = 0
+        else:
+            self.quiet += n - gone
+        first = math.ceil(LOWEST_HZ * n / self.rate)
+        spectrum = rfft(piece * _window(n))[:, first:]
+        power = np.einsum("ij,ij->i", spectrum, spectrum.conj()).real
+        soft = SOFT * float(np.sum(_window(n) ** 2)) * spectrum.shape[1]
         for microphone, other in ((0, 1), (1, 0)):
             dead = power[microphone] * 10 ** (FAR_LESS_DB / 10) < power[other] and power[other] > soft
             self.dead[microphone].add(n, sound=not dead)
@@ -84,12 +89,17 @@ class Hearing:
     def fault(self) -> str:
         """Return why nobody would have been heard, in words; empty when there is no reason."""
         kinds = (
-            ("no audio came", self.missing, self.samples),
-            *((f"microphone {number} was dead", dead, self.compared) for number, dead in enumerate(self.dead, start=1)),
+            ("no audio came", self.missing),
+            *((f"microphone {number} was dead", dead) for number, dead in enumerate(self.dead, start=1)),
         )
-        for what, without, whole in kinds:
-            if without.samples > SHARE * whole:
-                return f"{what} for {100 * without.samples / whole:.0f} % of the time"
+        for what, without in kinds:
+            if without.samples > SHARE * self.samples:
+                return f"{what} for {100 * without.samples / self.samples:.0f} % of the time"
             if without.lately >= LATELY_S * self.rate:
                 return f"{what} for the last {without.lately / self.rate:.0f} s"
         return ""
+
+
+@lru_cache(maxsize=4)
+def _window(n: int) -> Samples:
+    return np.asarray(np.hanning(n), dtype=np.float32)
