@@ -69,6 +69,7 @@ class Guard:
         self._monitor = MotionMonitor(rules)
         self._shared = actuator if isinstance(actuator, SharedControl) else None
         self._held = True  # for a task, as far as the driver knows; False: others may turn it
+        self._unbraked = False  # what others turn could not be told of a stop
         self._zero_doubted = False  # the zero that the driver was told is not believed before it is homed
 
     @property
@@ -116,10 +117,8 @@ class Guard:
         What others turn is brought to rest, too; they may turn it again.
         """
         self._stopped = True
-        self._halt()
+        self._halt(others=True)
         self._monitor.stopped = True  # by now it is told to come to rest
-        if self._shared is not None:
-            self._shared.brake()
 
     def halt(self) -> None:
         """Decelerate to rest and forget the goal; new ones are welcome; from any thread."""
@@ -131,13 +130,13 @@ class Guard:
             return
         self._held = True
         self._monitor.shared = False
-        self._shared.take_control()
+        self._of_control(self._shared.take_control)
 
     def release_control(self) -> None:
         """No task needs the actuator: others may turn it, where there are others; idempotent."""
         if self._shared is None or not self._held or self._monitor.doing:
             return
-        if self._shared.release_control():
+        if self._of_control(self._shared.release_control):
             self._held = False
             self._monitor.expect_others()
 
@@ -154,7 +153,7 @@ class Guard:
             When the actuator itself is still not well; `home` clears a lost position.
         """
         self._fault = self._later = ""
-        self._stopped = self._failed = False
+        self._stopped = self._failed = self._unbraked = False
         self._monitor.watch_no_stop()
         state = self.state()
         if not state.healthy:
@@ -263,12 +262,27 @@ class Guard:
             raise ActuatorFault(fault) from error
         self._monitor.request_sent(self._clock.now())
 
-    def _halt(self) -> None:
-        """Decelerate; never raises: a stop that fails is a fault, and is tried again by `poll`."""
+    def _of_control(self, request: Callable[[], bool | None]) -> bool | None:
+        """Take or give control; what a driver raises is a fault."""
+        try:
+            return request()
+        except DRIVER_RAISES as error:
+            self._latch(str(error) if isinstance(error, RossError) else driver_broke(error))
+            return None
+
+    def _halt(self, *, others: bool = False) -> None:
+        """Decelerate, also what ``others`` turn; never raises: a stop that fails is a fault; `poll` tries it again."""
         try:
             self._actuator.stop()  # before anything else is asked of the driver: it may never answer
         except DRIVER_RAISES as error:
             self._fail("stop", error)
+        if self._shared is not None and (others or self._unbraked):
+            try:
+                self._shared.brake()
+                self._unbraked = False
+            except DRIVER_RAISES as error:
+                self._unbraked = True
+                self._fail("stop", error)
         if self._monitor.busy(self._read()):
             self._monitor.expect_rest(self._clock.now(), self.capabilities)
 
