@@ -289,15 +289,21 @@ separator = Endless()
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_second_signal_ends_a_mission_whose_plug_in_computes_for_ever(number, short, tmp_path):
+ALIVE = ("--serve", "--speed", "max", "--telemetry", "udpout:127.0.0.1:9")
+
+
+@pytest.mark.parametrize(
+    ("number", "how", "later"),
+    [(signal.SIGINT, ["--informed"], 0.2), (signal.SIGTERM, ["--informed"], 0.2), (signal.SIGINT, ALIVE, 2.2)],
+)
+def test_a_second_signal_ends_a_mission_whose_plug_in_computes_for_ever(number, how, later, short, tmp_path):
     package, out = tmp_path / "package", tmp_path / "out"
     (package / "endless-1.dist-info").mkdir(parents=True)
     points = "[ross_payload.separators]\nendless = endless:separator\n"
     (package / "endless-1.dist-info" / "entry_points.txt").write_text(points)
     (package / "endless.py").write_text(ENDLESS)
-    short.write_text(PAIR)
-    options = ["--scenario", short, "--informed", "--separator", "endless", "--out", out]
+    short.write_text(PAIR + "\n[payload.service]\nautostart = 'seek'\n")
+    options = ["--scenario", short, *how, "--separator", "endless", "--out", out]
     command = [sys.executable, "-m", "ross_payload.cli", "sitl", *map(str, options)]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(package), os.environ.get("PYTHONPATH", "")])}
     with subprocess.Popen(
@@ -307,18 +313,19 @@ def test_a_second_signal_ends_a_mission_whose_plug_in_computes_for_ever(number, 
             assert any(line == "computing\n" for line in process.stdout), process.stderr.read()
             for _ in range(2):
                 process.send_signal(number)
-                time.sleep(0.2)
+                time.sleep(later)
             _, err = process.communicate(timeout=30)
         finally:
             process.kill()
-    assert (process.returncode, err.strip()) == (130, "ross: interrupted")
+    said = err.strip().removeprefix("MAVLink at udpout:127.0.0.1:9\n\n")
+    assert (process.returncode, said) == (130, "ross: interrupted")
     assert not out.exists()
 
 
 def test_a_signal_that_a_script_passes_on_is_no_second_one():
     """A terminal gives Ctrl-C to a script and to what it runs; the script gives SIGTERM to that."""
     clock, orders = SimClock(), []
-    stop = mission_session._stopping(SimpleNamespace(order=orders.append), clock)
+    stop = mission_session.stopping(SimpleNamespace(order=orders.append), clock, Stop())
     stop("SIGINT")
     clock.sleep(0.05)
     stop("SIGTERM")

@@ -29,7 +29,7 @@ from ross_payload.mission.mission_sequence import mission
 from ross_payload.mission.source_tracking import SourceTracker
 from ross_payload.mount import fixed_mount, mount_of
 from ross_payload.notify import on_signal
-from ross_payload.orders import Stop
+from ross_payload.orders import Order, Stop
 from ross_payload.service.assemble import informed_of, settings_of, tools_of
 from ross_payload.service.live_listening import listening_of
 from ross_payload.service.runner import Observer, Runner
@@ -105,7 +105,7 @@ def perform(
             stack, scenario, company, view, out, speed=speed, record=record, page=page, tracker=tracker, cache=cache
         )
         ready = wall.now()
-        with on_signal(_stopping(staged.runner, wall)):
+        with on_signal(stopping(staged.runner, wall, Stop())):
             result = staged.runner.run()
         staged.listening.close()
         _expect_whole(staged.listening)
@@ -128,19 +128,19 @@ def perform(
     return Finished(result, values, timing, staged.cost, tuple(complaints))
 
 
-def _stopping(runner: Runner, wall: Clock) -> Callable[[str], None]:
-    """Return what a signal to end does: the first stops the mission at its next hop, a later one ends all at once.
+def stopping(runner: Runner, wall: Clock, order: Order, within: float = SAME_SIGNAL_S) -> Callable[[str], None]:
+    """Return what a signal to end does: the first gives an order at the next hop, a later one ends all at once.
 
-    A plug-in may compute for ever.
+    A plug-in may compute for ever. What comes ``within`` [s] of the first is the same signal.
     """
     asked = math.inf
 
     def stop(name: str) -> None:
         nonlocal asked
-        if wall.now() - asked > SAME_SIGNAL_S:
+        if wall.now() - asked > within:
             raise KeyboardInterrupt
         asked = min(asked, wall.now())
-        runner.order(Stop())
+        runner.order(order)
 
     return stop
 

@@ -10,21 +10,23 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from threading import Thread
 from typing import Self
 
 import numpy as np
 
 from ross_payload.actuators.registry import checked_options
 from ross_payload.actuators.wires import open_wire
+from ross_payload.clock import SystemClock
 from ross_payload.computing import computing
 from ross_payload.config import Config, Link
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.dronecan.shared_bus import SharedBuses
-from ross_payload.interfaces import Clock, Input, Port
+from ross_payload.interfaces import Clock, Input, Port, Result
 from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
 from ross_payload.notify import hearing_signals, on_signal
@@ -43,7 +45,7 @@ from ross_sim.live_world.world_loop import STRETCH
 from ross_sim.paced_clock import RealTimeClock
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.ground_truth import TruthWriter, facts
-from ross_sim.sitl.mission_session import aboard
+from ross_sim.sitl.mission_session import aboard, stopping
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.pace import ListenedSpeed, Pace
 from ross_sim.sitl.recording import drained
@@ -51,6 +53,7 @@ from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import TalkerSelection
 from ross_sim.sitl.world import World
 
+PASSED_ON_S = 2.0  # within this, signals to end mean one: a script that passes it on first waits for what else it runs
 GROUND_STATION = "udpout:127.0.0.1:14550"  # where ground stations listen, `ross ground` and `ross monitor` among them
 
 
@@ -103,12 +106,25 @@ def serve(
 
 
 def _run(runner: Runner) -> None:
-    """Run the mission on a thread of its own, so that this one hears signals at once."""
-    with (
-        ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission,
-        on_signal(lambda _: runner.order(Shutdown())),
-    ):
-        hearing_signals(mission.submit(runner.run))
+    """Run the mission on a thread of its own, so that this one hears signals at once.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When a signal comes later, before the payload has shut down; its thread ends with the process then.
+    """
+    mission: Future[Result] = Future()
+
+    def perform() -> None:
+        try:
+            mission.set_result(runner.run())
+        except BaseException as error:  # the main thread's to handle
+            mission.set_exception(error)
+
+    thread = Thread(target=perform, name="mission", daemon=True)
+    with on_signal(stopping(runner, SystemClock(), Shutdown(), PASSED_ON_S)):
+        thread.start()
+        hearing_signals(mission)
 
 
 class MissionProgress(MissionView):
