@@ -200,6 +200,9 @@ class LiveSession:
             self._answer(task, Answer.REFUSED, why)
             return None
         self._answer(task, Answer.ACCEPTED)
+        for late in [order for order in self._waiting if isinstance(order, Rearm)]:  # not to undo a stop of this task
+            self._waiting.remove(late)
+            self._answer(late, Answer.REFUSED, BUSY)
         self.busy, self._starting, self._broken, self._ill = True, False, False, None
         try:
             result = yield from self._watched(task)

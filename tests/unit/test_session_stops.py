@@ -328,6 +328,27 @@ def test_what_comes_with_the_order_that_ends_a_task_is_obeyed_after_it(bench):
     assert bench.state() is State.IDLE
 
 
+@pytest.mark.parametrize("going_on", [True, False])
+def test_arming_that_was_ordered_right_behind_a_task_does_not_undo_a_later_stop(going_on):
+    bench = Bench(memory=Memory(estimate()))
+    if going_on:
+        bench.hop(ListenTo(1, number=1))
+        bench.hops_until(lambda event: isinstance(event, StateChanged) and event.state is State.RUN)
+    bench.hop(ListenTo(0, number=2), Rearm(number=3))
+    bench.hops_until(TurnStarted)
+    bench.hop(Stop(number=4))
+    hops(bench, 20)
+    assert bench.answers(3) == [Answer.REFUSED]
+    assert (bench.state(), bench.stopped) == (State.STOPPED, True)
+
+
+def test_arming_that_was_ordered_right_behind_a_task_that_is_refused_is_obeyed(bench):
+    bench.hop(Stop(number=1))
+    bench.hop(Park(number=2), Rearm(number=3))
+    hops(bench, 3)
+    assert (bench.answers(2), bench.answers(3)) == ([Answer.REFUSED], [Answer.ACCEPTED])
+
+
 def test_a_task_that_cannot_be_prepared_is_refused_and_the_payload_goes_on():
     wrong = []
 
