@@ -139,7 +139,8 @@ class SessionStore:
         """Delete what is too old or too much, the oldest first; return why ``running`` must stop, or ''.
 
         By a clock that is trusted the age of a session counts from the time in its name; the days of one that began
-        without such a clock begin now. Else that of its files counts: both are told by the same clock.
+        without such a clock, or while it was far ahead, begin now. Else that of its files counts: both are told by the
+        same clock.
 
         Parameters
         ----------
@@ -166,7 +167,7 @@ class SessionStore:
             now = _now(self.folder)
             old = [one for one in kept if one.modified > SET and now - one.modified > limits.max_days * DAY]
         else:
-            starts = [(one, _start_time(one)) for one in kept if not one.running]
+            starts = [(one, _start_time(one, now)) for one in kept if not one.running]
             undated = [one for one, start in starts if start is None]
             old = [one for one, start in starts if start is not None and now - start > limits.max_days * DAY]
         for session in [one for one in old if not one.running]:
@@ -259,11 +260,14 @@ def is_running(folder: Path) -> bool:
         os.close(handle)
 
 
-def _start_time(session: StoredSession) -> float | None:
-    """When a session began [s] since 1970, by its name or the stamp that it was given; None: that is not known."""
+def _start_time(session: StoredSession, now: float) -> float | None:
+    """When a session began [s] since 1970, by its name or the stamp that it was given; None: that is not known.
+
+    A name that is more than a day after ``now`` was given by a clock that was wrong.
+    """
     named = NAME.fullmatch(session.path.name)
     start = _time((named[2] or "")[1:]) if named else None
-    return _time(_kept_stamp(session.path)) if start is None else start
+    return _time(_kept_stamp(session.path)) if start is None or start > now + DAY else start
 
 
 def _date(folder: Path, stamp: str) -> None:

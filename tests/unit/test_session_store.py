@@ -130,6 +130,17 @@ def test_by_a_trusted_clock_the_time_in_a_name_counts_whatever_files_say(store):
     assert [(path / "dated").exists() for path in paths[1:]] == [False, True]
 
 
+def test_a_session_that_a_clock_far_ahead_has_named_has_its_days_from_when_that_is_known(store):
+    """Else what people have said while an autopilot took the year for 2037 would be kept until 2037."""
+    SessionWriter(path := store.add("20371129T120000Z"), BEGINNING, "").finish("done")
+    store.tidy(limits(max_days=30), stamp="20371129T120005Z")
+    store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+    store.tidy(limits(max_days=30), stamp="20261229T110000Z")
+    assert names(store) == [path.name]
+    store.tidy(limits(max_days=30), stamp="20261229T130000Z")
+    assert not path.exists()
+
+
 def test_what_is_too_old_goes_before_anything_is_written_to_a_disk_that_is_full(store, monkeypatch):
     undated = fill(store)
     SessionWriter(old := store.add("20261001T120000Z"), BEGINNING, "").finish("done")
