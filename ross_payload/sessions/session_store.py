@@ -126,11 +126,11 @@ class SessionStore:
     def discard(self, path: Path) -> None:
         """Remove our files from a folder, and the folder when nothing else is in it; may raise OSError.
 
-        session.json goes last: what a kill leaves is a session still, and goes the next time.
+        Its date and session.json go last: what a kill leaves is as old a session still, and goes the next time.
         """
-        ours = [path / name for name in FILES if name != MANIFEST]
+        ours = [path / name for name in FILES if name not in (DATED, MANIFEST)]
         aside = path.glob(f"{MANIFEST}.{ASIDE}*")
-        for file in [*path.glob(f".*{PART}*"), *ours, *aside, path / MANIFEST]:
+        for file in [*path.glob(f".*{PART}*"), *ours, *aside, path / DATED, path / MANIFEST]:
             file.unlink(missing_ok=True)
         if not any(path.iterdir()):
             path.rmdir()

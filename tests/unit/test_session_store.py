@@ -176,6 +176,24 @@ def test_what_a_kill_leaves_of_a_session_goes_the_next_time(store, monkeypatch, 
     assert not path.exists() or not list(path.iterdir())
 
 
+@pytest.mark.parametrize("after", range(len(FILES)))
+def test_what_a_kill_leaves_of_a_session_with_no_date_in_its_name_begins_no_new_days(store, monkeypatch, after):
+    (path := fill(store)).joinpath("dated").write_text("20261001T120000Z")
+    (path / "source-0.flac").write_bytes(b"somebody")
+    unlink, count = Path.unlink, itertools.count()
+
+    def killed(file, missing_ok=False):
+        if next(count) == after:
+            raise KeyboardInterrupt
+        unlink(file, missing_ok=missing_ok)
+
+    with monkeypatch.context() as dying, suppress(KeyboardInterrupt):
+        dying.setattr(Path, "unlink", killed)
+        store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+    store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+    assert not (path / "source-0.flac").exists()
+
+
 def test_the_running_session_is_never_deleted(store):
     path = store.add("")
     writer = SessionWriter(path, BEGINNING, "")
