@@ -24,6 +24,7 @@ ORDER_S = 1.0  # by which messages may come out of order [s]
 STEP_S = 0.5  # [s]: a UNIX time that is off by more is set again, a smaller difference is worked off
 EASE = 0.1  # of a smaller difference, at a time
 SLOWEST = 0.9  # of real time, at which time goes on while it is ahead of a clock that was set back
+FAR_S = 86_400.0  # [s]: a UNIX time that is ahead by more has to be told twice in a row
 PLAUSIBLE = 4_102_444_800.0  # UNIX time of 2100 [s]: a clock that says more is wrong
 
 log = logging.getLogger(__name__)
@@ -86,6 +87,7 @@ class Timebase:
         self._trips: deque[tuple[float, float]] = deque(maxlen=SAMPLES)  # round trip, our clock less theirs [s]
         self._boot = -math.inf  # its latest time since its start [s]
         self._behind = False  # the latest one was from long before
+        self._far: float | None = None  # its time since its start when the latest UNIX time was far ahead [s]
         self._epoch: float | None = None  # UNIX time at 0 of our clock [s]
         self._lock = threading.Lock()
         self._latest: tuple[float, float] | None = None  # by `usec` last, and when [s]
@@ -137,7 +139,10 @@ class Timebase:
             self._send(TimeSync(self._asked[-1], target=received.packet.sender), received.link)
 
     def _on_time(self, message: SystemTime) -> None:
-        """Take what its clocks say; two in a row that are far behind mean that it has restarted, one is late."""
+        """Take what its clocks say; two in a row that are far behind mean that it has restarted, one is late.
+
+        A UNIX time far ahead counts when it is told twice in a row: by a single wrong one all recordings are too old.
+        """
         behind = message.boot < self._boot - ORDER_S
         if behind and not self._behind:
             self._behind = True
@@ -146,7 +151,11 @@ class Timebase:
             self._trips.clear()
         self._boot, self._behind = message.boot, False
         if message.unix is not None and message.unix < PLAUSIBLE:
-            self._set(message.unix - (self.local(message.boot) or self._clock.now()))
+            epoch = message.unix - (self.local(message.boot) or self._clock.now())
+            before, known = self._far, self._since_1970()
+            self._far = message.boot if known is not None and epoch - known > FAR_S else None
+            if self._far is None or before not in (None, self._far):  # the same one may come over two links
+                self._set(epoch)
 
     def _answer(self, request: TimeSync, received: ReceivedPacket) -> None:
         """Tell who asks our time, and in whose name it is told: the requests of others are alike."""

@@ -126,13 +126,26 @@ def test_the_date_is_the_autopilots_where_only_that_has_a_clock(bench):
     assert timebase.utc() == datetime(2026, 11, 18, 11, 6, 40, tzinfo=UTC)
 
 
-def test_one_wrong_date_does_not_stay(bench):
+def test_a_wrong_date_does_not_stay(bench):
     """By the date recordings are named, and deleted: 2037 for decades would delete all of them."""
     _, voice, timebase = bench
     for boot, ahead in ((1.0, 0.0), (2.0, 11 * 31_557_600.0), (3.0, 0.0)):
-        voice.call(Heard(vehicle.system_time(SystemTime(boot=boot, unix=UNIX + ahead))))
+        for later in range(1 + (ahead > 0)):  # a single one is not taken
+            voice.call(Heard(vehicle.system_time(SystemTime(boot=boot + 0.1 * later, unix=UNIX + ahead))))
         timebase.usec()
         assert timebase.utc() == datetime.fromtimestamp(UNIX + ahead, UTC)
+
+
+def test_one_wrong_date_far_ahead_is_not_taken_and_one_that_stays_is(bench):
+    """While it is the date, recordings are deleted by it, and time stamps never come back from it."""
+    _, voice, timebase = bench
+    years = 11 * 31_557_600.0
+    for boot, told, taken in ((1, 0, 0), (2, years, 0), (3, 0, 0), (4, years, 0), (5, years, years), (6, 0, 0)):
+        for _ in range(2):  # over two links
+            voice.call(Heard(vehicle.system_time(SystemTime(boot=float(boot), unix=UNIX + told))))
+        assert timebase.utc() == datetime.fromtimestamp(UNIX + taken, UTC)
+        if boot < 5:
+            assert timebase.usec() == pytest.approx(UNIX * 1e6)
 
 
 def test_a_small_difference_is_worked_off_and_not_jumped(bench):
