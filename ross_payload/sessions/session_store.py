@@ -245,19 +245,28 @@ def _status(entry: os.DirEntry[str]) -> os.stat_result | None:
 
 
 def is_running(folder: Path) -> bool:
-    """Whether a session is being recorded at this moment."""
+    """Whether a session is being recorded at this moment; where no file can be locked, whether it says no end."""
     try:
         handle = open_regular(folder / LOCKED)
     except OSError:
         return False
     try:
         fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except OSError:
+    except BlockingIOError:
         return True
+    except OSError:  # a share of another computer
+        return not _is_ended(folder)
     else:
         return False
     finally:
         os.close(handle)
+
+
+def _is_ended(folder: Path) -> bool:
+    try:
+        return manifest.read(folder).end is not None
+    except ConfigError:
+        return False
 
 
 def _start_time(session: StoredSession, now: float) -> float | None:

@@ -224,6 +224,11 @@ def test_a_session_that_says_its_end_is_over_also_where_no_file_can_be_locked(wh
     code, said, _ = run("sessions", "check", whole.path)
     assert code == 0
     assert said.startswith("mission, target voice ann, the program ended\n")
+    store = SessionStore(whole.path.parent)
+    assert [kept.running for kept in store.all()] == [False]
+    said_of_itself = whole.path / "session.json"
+    said_of_itself.write_text(said_of_itself.read_text().replace('"the program ended"', "null"))
+    assert [kept.running for kept in store.all()] == [True]
 
 
 # ------------------------------------------------------------------------------------------------ kill -9
