@@ -15,7 +15,7 @@ from ross_payload.config import Link
 from ross_payload.mavlink import Received, Router
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import common
-from ross_protocols.mavlink.signing import link_and_time, timestamp_of
+from ross_protocols.mavlink.signing import LATEST, SECOND, link_and_time, timestamp_of
 from strangers import BEAT, KEY, STOP, Station, Strangers, key_file, stop_command
 from waiting import wait_for
 
@@ -281,6 +281,24 @@ def test_a_station_is_believed_though_one_with_its_ids_and_a_clock_ahead_has_sen
             return bool(payload.heard)
 
         wait_for(believed)
+
+
+def test_a_clock_at_the_end_of_all_timestamps_is_not_followed(listening) -> None:
+    """After the last timestamp those of our frames would begin at 0 again: nobody would believe any, for ever."""
+    payload = listening("udpin", signed=True)
+    with Station(time.time()).sock as sock:
+        again = Encoder(255, 190, KEY, 7)
+        sock.sendto(again.encode(BEAT, LATEST), payload.where)
+        wait_for(lambda: payload.poll() or payload.links.status()[0].received)
+        for later in range(20):
+            payload.say()
+            time.sleep(0.01)
+            sock.sendto(again.encode(stop_command(), timestamp_of(time.time()) + later), payload.where)
+            payload.poll()
+        assert payload.heard
+        payload.say()
+        sock.settimeout(1.0)
+        assert abs(link_and_time(sock.recv(2048))[1] - timestamp_of(time.time())) < 60 * SECOND
 
 
 def test_of_a_flood_of_frames_from_before_few_are_answered(listening) -> None:

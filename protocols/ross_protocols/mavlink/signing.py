@@ -18,6 +18,7 @@ SIGNATURE_SIZE = 13  # [bytes]
 SECOND = 100_000  # in units of a timestamp
 EPOCH = 1_420_070_400  # 1 January 2015, UNIX time [s]
 LATEST = 2**48 - 1  # timestamp
+LAST = LATEST - 366 * 86_400 * SECOND  # timestamp that is followed: time has to go on after it
 WINDOW = 60 * SECOND  # that a new stream may be behind us
 STREAMS = 1024  # that one link keeps apart
 UNSIGNED = "RADIO_STATUS"  # a radio has no key
@@ -98,6 +99,8 @@ class Guardian:
         if not is_good(packet.frame, self.key):
             return Trust.REFUSED
         link, timestamp = link_and_time(packet.frame)
+        if timestamp > LAST:
+            return Trust.UNSAVED  # and never saved: what is signed after it would count from 0 again
         stream = link, packet.system_id, packet.component_id
         before = self._streams.get(stream)
         late = self._late(timestamp, now) if before is None else _not_after(timestamp, before)
