@@ -80,6 +80,8 @@ class ParamServer:
         self._send_text = send_text
         self._rates = rates
         self._free: dict[str | None, float] = {}  # when a link may take the next answer [s]
+        self._calm: dict[str | None, float] = {}  # and when it has carried all changes, too [s]
+        self._again: set[tuple[int, str | None]] = set()  # of those in line, what is told once more
         self._waiting: deque[tuple[int, str | None]] = deque()  # index and link
         self._known = parameters.config
         self._due = 0.0
@@ -141,19 +143,28 @@ class ParamServer:
 
     def _answer_next(self, now: float) -> None:
         """Send the first answer whose link has carried the one before."""
-        ready = next((each for each in self._waiting if now >= self._free.get(each[1], -math.inf)), None)
+        ready = next((each for each in self._waiting if now >= self._ready_at(each)), None)
         if ready is None:
             return
         self._waiting.remove(ready)
+        self._again.discard(ready)
         index, link = ready
         name = NAMES[index]
         self._component.send(params.value_message(name, self._parameters.value(name), index, len(NAMES)), link)
         self._due = now + PACE
         for url, rate in self._rates().items():
-            if link is EVERYWHERE and now < self._free.get(url, -math.inf):
+            if link not in (EVERYWHERE, url):
+                continue
+            if link is EVERYWHERE and now < self._calm.get(url, -math.inf):
                 self._answer(index, url)  # there it may have found no room: once more, in time
-            if link in (EVERYWHERE, url):
-                self._free[url] = now + SIZE / (SHARE * rate)
+                self._again.add((index, url))
+            self._calm[url] = now + SIZE / (SHARE * rate)
+            if now >= self._free.get(url, -math.inf):  # changes without end hold up no list
+                self._free[url] = self._calm[url]
+
+    def _ready_at(self, answer: tuple[int, str | None]) -> float:
+        """When the link of an answer has carried what came before it [s]."""
+        return (self._calm if answer in self._again else self._free).get(answer[1], -math.inf)
 
     def _greet(self, received: Received) -> None:
         """Tell a ground station that has just appeared one value, and again until it asks for others."""

@@ -102,6 +102,17 @@ def test_of_many_changes_at_once_a_link_that_carries_little_is_told_each(sky):
     assert {message.param_id for message in heard + payload.wait(COUNT * 50 / 150)} == set(NAMES)
 
 
+def test_a_value_that_changes_all_the_time_holds_up_no_list_and_is_told_in_the_end(sky):
+    payload = Payload(sky(max_bytes_s=300))
+    payload.list()
+    heard = []
+    for number in range(100):
+        heard += payload.set("TLM_STATUS_HZ", 1 + number % 2, seconds=0.2)
+    assert {message.param_id for message in heard} == set(NAMES)
+    told = [each for each in heard + payload.wait(1.0) if each.param_id == "TLM_STATUS_HZ"]
+    assert told[-1].param_value == payload.parameters.value("TLM_STATUS_HZ")
+
+
 def test_many_lists_at_once_are_not_more_than_one(payload):
     for _ in range(200):
         payload.list()
