@@ -84,6 +84,7 @@ class Recorder:
         self._status = RecordingStatus()
         self._tidied_at: float | None = None  # on the clock of the Inputs [s], while nothing was recorded
         self._untidy: RecordingStatus | None = None  # what was told of the latest look that failed meanwhile
+        self._before = self._status  # and what was told before it
 
     def record(self, on: bool) -> str:
         """Begin or end a recording with the next hop; return '' or why not."""
@@ -199,10 +200,12 @@ class Recorder:
         try:
             self._store.tidy(self._limits, stamp=self._stamp())
         except (OSError, RossError) as error:
+            if self._status is not self._untidy:
+                self._before = self._status
             self._status = self._untidy = replace(self._status, state=RecordingState.BROKEN, reason=_why(error))
         else:
             if self._status is self._untidy:  # of a recording that has failed it is told on
-                self._status = replace(self._status, state=RecordingState.OFF, reason="")
+                self._status = self._before
 
     def _put(self, recording: OngoingRecording, job: Callable[[OngoingRecording], None]) -> None:
         self._queue.put(partial(self._guarded, recording, job))

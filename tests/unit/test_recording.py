@@ -202,6 +202,26 @@ def test_a_folder_that_could_not_be_read_for_a_while_is_told_until_it_can(tmp_pa
             assert bool(told.reason) is broken
 
 
+def test_what_is_told_of_a_recording_that_failed_outlives_a_folder_that_could_not_be_read_for_a_while(tmp_path):
+    folder, aside = tmp_path / "all", tmp_path / "aside"
+    with recording(folder, min_free_gb=9999) as recorder:
+        recorder.on_input(input_of(0))
+        recorder.drain()
+        told = recorder.status()
+        assert told.state is RecordingState.FULL
+        for index, broken in ((1, False), (360_002, True), (720_003, True), (1_080_004, False)):
+            if broken and not aside.exists():
+                folder.rename(aside)
+                folder.symlink_to(folder)
+            elif not broken and aside.exists():
+                folder.unlink()
+                aside.rename(folder)
+            recorder.on_input(input_of(index))
+            recorder.drain()
+            assert recorder.status().state is (RecordingState.BROKEN if broken else RecordingState.FULL)
+        assert recorder.status() == told
+
+
 def test_what_is_told_of_a_recording_that_failed_stays(tmp_path):
     with recording(tmp_path / "all", min_free_gb=9999) as recorder:
         for index in (0, 1, 360_002):
