@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntFlag, StrEnum
 
+DEAD_DB = 30.0  # so far is a dead microphone below the other; talkers and rooms make a few
+DEAD_FROM_HZ = 400.0  # where they are compared: below it hum and wind may be far louder at one of them
+
 
 class AudioTrouble(IntFlag):
     """What is wrong with the microphones."""

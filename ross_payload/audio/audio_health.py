@@ -14,15 +14,13 @@ import numpy as np
 from ross_payload.audio.live_source import SourceStatus, Watched
 from ross_payload.config import Config
 from ross_payload.events import Event
-from ross_payload.health import AudioHealth, AudioTrouble
-from ross_payload.interfaces import AudioBlock, AudioFlag, Input, Real
+from ross_payload.health import DEAD_DB, DEAD_FROM_HZ, AudioHealth, AudioTrouble
+from ross_payload.interfaces import UNHEARD, AudioBlock, AudioFlag, Input, Real
 
 PER_SECOND = 10  # judgements
 LEVELS, DEAD, LONG, GONE = 10, 20, 30, 5  # judgements that a verdict looks back: levels, dead, the slow ones, absent
 LOSS_REPORTED_S = 10.0  # [s]
 FLOOR_DB = -120.0
-FAR_LESS_DB = 30.0  # between a dead microphone and the other; talkers and rooms make a few
-ABOVE = 400.0  # [Hz] where they are compared: below it hum and wind may be far louder at one of them
 QUIET_DB = -80.0  # below it two channels may be alike by rounding
 ALIKE = 1e-6  # share of power in which two channels of one microphone may differ: every microphone has its own noise
 OFFSET, STEADY = 3e-3, 3.0  # a constant part, re full scale, and re how the means of tenths of a second vary
@@ -66,7 +64,7 @@ class HealthMonitor:
         highest = min(HIGHEST, PHASE * array.speed_of_sound_m_s / (2 * math.pi * array.spacing_m))
         frequencies = np.fft.rfftfreq(self._size, 1 / rate)
         self._bins = (frequencies >= LOWEST) & (frequencies <= highest)
-        self._high = frequencies >= ABOVE
+        self._high = frequencies >= DEAD_FROM_HZ
         self._window = np.hanning(self._size)
         self._blocks: list[AudioBlock] = []
         self._tenths: deque[Tenth] = deque(maxlen=LONG)
@@ -85,7 +83,7 @@ class HealthMonitor:
     def listen(self, block: AudioBlock) -> None:
         """Take the next block."""
         self._lost += block.lost
-        if block.lost or block.flags & (AudioFlag.MISSING | AudioFlag.INVALID):
+        if block.lost or block.flags & UNHEARD:
             self._lost_at = block.time
         self._blocks.append(block)
         if sum(each.samples.shape[1] for each in self._blocks) >= self._size:
@@ -157,9 +155,9 @@ def _dead(tenths: list[Tenth]) -> AudioTrouble:
     power = np.array([tenth.high for tenth in tenths]) + 1e-30
     louder = float(np.median(10 * np.log10(power[:, 0] / power[:, 1])))
     trouble = AudioTrouble.NONE
-    if silent[0] or (louder < -FAR_LESS_DB and not silent[1]):
+    if silent[0] or (louder < -DEAD_DB and not silent[1]):
         trouble |= AudioTrouble.DEAD_1
-    if silent[1] or (louder > FAR_LESS_DB and not silent[0]):
+    if silent[1] or (louder > DEAD_DB and not silent[0]):
         trouble |= AudioTrouble.DEAD_2
     return trouble
 

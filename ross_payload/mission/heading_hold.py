@@ -14,7 +14,7 @@ import numpy as np
 from ross_payload.angles import circular_mean, difference, wrap
 from ross_payload.dsp.dc_offset import without_offset
 from ross_payload.events import AlignmentCandidate, State, TurnStarted
-from ross_payload.interfaces import AudioFlag, Input, Samples
+from ross_payload.interfaces import UNHEARD, AudioFlag, Input, Samples
 from ross_payload.mission.context import Context, Listening, Step, hop, speeds_by_hop
 from ross_payload.mission.heading_control import STILL, Follower
 from ross_payload.pointing import nearest_joint, nearest_limit
@@ -132,7 +132,7 @@ class _Period:
         self.samples += hop.block.samples.shape[1]
         if hop.block.flags:
             self.clipped += AudioFlag.CLIPPED in hop.block.flags
-            self.missing += bool(hop.block.flags & (AudioFlag.MISSING | AudioFlag.INVALID))
+            self.missing += bool(hop.block.flags & UNHEARD)
 
     def listening(self) -> Listening:
         """All of it, at the mean heading; at the heading itself when nothing has turned."""

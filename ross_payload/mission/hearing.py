@@ -9,15 +9,13 @@ from functools import lru_cache
 import numpy as np
 from scipy.fft import rfft
 
-from ross_payload.interfaces import AudioFlag, Samples
+from ross_payload.health import DEAD_DB, DEAD_FROM_HZ
+from ross_payload.interfaces import UNHEARD, AudioFlag, Samples
 
-LOWEST_HZ = 400.0  # of what is compared: below it hum and wind may be far louder at one microphone
-FAR_LESS_DB = 30.0  # between a dead microphone and the other, as the health of the microphones has it
 SHARE = 0.25  # of a task without sound, from which it cannot tell who is there
 LATELY_S = 2.0  # without sound at its end, from which it cannot either
 PIECE_S = 0.1  # of sound, which is judged
 SOFT = 2.0**-31  # power that 16 bits may not resolve: of sound no louder than it one microphone may give zeros alone
-NEVER_CAME = AudioFlag.MISSING | AudioFlag.INVALID
 
 
 @dataclass(slots=True)
@@ -61,7 +59,7 @@ class Hearing:
         n = samples.shape[1]
         self._piece.append(samples)
         self._length += n
-        if flags and flags & NEVER_CAME and not samples.any():
+        if flags and flags & UNHEARD and not samples.any():
             self._gone += n
         if self._length >= PIECE_S * rate:
             self.rate = rate
@@ -78,12 +76,12 @@ class Hearing:
             self.quiet = 0
         else:
             self.quiet += n - gone
-        first = math.ceil(LOWEST_HZ * n / self.rate)
+        first = math.ceil(DEAD_FROM_HZ * n / self.rate)
         spectrum = rfft(piece * _window(n))[:, first:]
         power = np.einsum("ij,ij->i", spectrum, spectrum.conj()).real
         soft = SOFT * float(np.sum(_window(n) ** 2)) * spectrum.shape[1]
         for microphone, other in ((0, 1), (1, 0)):
-            dead = power[microphone] * 10 ** (FAR_LESS_DB / 10) < power[other] and power[other] > soft
+            dead = power[microphone] * 10 ** (DEAD_DB / 10) < power[other] and power[other] > soft
             self.dead[microphone].add(n, sound=not dead)
 
     def fault(self) -> str:
