@@ -30,7 +30,7 @@ ANSWERED_S = 1.0  # in which a command that was sent again is answered
 ROOM = 4 << 20  # [bytes]: what arrives while a test does something else is read later
 CONFIG = """
 audio.source = "{source}"
-actuator = {{ kind = "tb6600", options = {{ ahead_ms = 100 }} }}
+actuator = {{ kind = "tb6600", options = {{ ahead_ms = 500 }} }}
 service = {{ state_dir = "state", log_format = "json" }}
 """
 

@@ -26,7 +26,7 @@ CONFIGURATION = """
 source = "file:{noise}"
 [actuator]
 kind = "tb6600"
-options = {{ ahead_ms = 100 }}
+options = {{ ahead_ms = 500 }}
 [service]
 state_dir = "state"
 autostart = "explore"

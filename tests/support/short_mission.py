@@ -58,7 +58,7 @@ NOISE = """
 source = "file:noise.wav"
 [actuator]
 kind = "tb6600"
-options = {{ ahead_ms = 100 }}
+options = {{ ahead_ms = 500 }}
 [explore]
 unit_s = 1.0
 min_rotations = 2

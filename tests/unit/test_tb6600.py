@@ -37,17 +37,37 @@ def test_segments_are_contiguous_and_end_40_ms_ahead_at_every_poll() -> None:
     assert not moving[0].edges.flags.writeable
 
 
-@pytest.mark.parametrize(("pause", "survived"), [(0.040, True), (0.050, False)])
+@pytest.mark.parametrize(
+    ("ahead_ms", "pause", "survived"), [(40, 0.040, True), (40, 0.050, False), (500, 0.500, True), (500, 0.510, False)]
+)
 def test_a_move_survives_a_pause_of_the_program_that_is_no_longer_than_it_plans_ahead(
-    pause: float, survived: bool
+    ahead_ms: float, pause: float, survived: bool
 ) -> None:
-    bench = Bench()
+    bench = Bench(ahead_ms=ahead_ms)
     bench.guard.command(3.0)
     bench.clock.sleep(0.8)
     bench.cancel()
     bench.clock.sleep(pause)
     bench.guard.poll(bench.clock.now())
     assert bench.guard.state().healthy is survived
+
+
+def test_a_move_ends_where_it_should_after_a_pause_of_nearly_half_a_second() -> None:
+    bench = Bench(ahead_ms=500)
+    bench.guard.command(math.radians(90.0))
+    bench.clock.sleep(0.8)
+    bench.cancel()
+    bench.clock.sleep(0.48)  # and 10 ms until the next poll
+    bench.clock.every(QUANTUM, lambda: bench.guard.poll(bench.clock.now()))
+    bench.clock.sleep(3.0)
+    assert bench.guard.state().settled
+    assert bench.true_deg == pytest.approx(90.0, abs=1e-9)
+    assert bench.far.complaints() == []
+
+
+def test_where_a_motor_turns_a_stop_begins_in_a_tenth_of_a_second() -> None:
+    with pytest.raises(ConfigError, match="expected at most 100 with a motor, got 150"):
+        Bench(port="pulses:tcp:127.0.0.1:40002", ahead_ms=150)
 
 
 @pytest.mark.parametrize("options", [{"invert_direction": True}, {"enable_means_off": False}, {"gear_ratio": 3.0}])

@@ -13,6 +13,7 @@ from ross_payload.actuators.tb6600.step_edges import PulseTiming
 from ross_payload.actuators.wires.gpio import AHEAD, SCHEME, pins_of
 from ross_payload.config import Degrees, Positive, Table
 
+MOST_AHEAD_MS = 100.0  # where something turns: that much later a stop begins
 ROUNDING_S = 1e-8  # of a time on the Clock, more than its last digit after a year [s]
 
 
@@ -32,7 +33,7 @@ class Options(Table):
     direction_hold_us: Annotated[float, Field(ge=1, le=1000)] = 20.0  # STEP to DIRECTION, at least
     enable_lead_ms: Annotated[float, Field(ge=0, le=1000)] = 5.0  # from switching on to the first pulse
     max_pulse_rate_hz: Annotated[float, Field(ge=10, le=200_000)] = 15_000.0  # pulses come no faster
-    ahead_ms: Annotated[float, Field(ge=20, le=100)] = 40.0  # a stop's latency, and the longest pause of the program
+    ahead_ms: Annotated[float, Field(ge=20, le=500)] = 40.0  # a stop's latency, and the longest pause of the program
     settle_ms: Annotated[float, Field(ge=0, le=5000)] = 100.0  # after the last step, for the ringing
     zero: Literal["declared", "unknown", "switch"] = "declared"  # declared: the array stands at its zero when opened
     home_level: Literal["low", "high"] = "low"  # of the HOME line while the switch is pressed
@@ -60,6 +61,12 @@ class Options(Table):
             raise ValueError(f"port: expected a HOME line for zero = 'switch' ({self.port},HOME), got none")
         if self.ahead_ms > AHEAD * 1e3:
             raise ValueError(f"ahead_ms: expected at most {AHEAD * 1e3:g} on pins, got {self.ahead_ms:g}")
+        return self
+
+    @model_validator(mode="after")
+    def _stops_soon(self) -> Options:
+        if self.ahead_ms > MOST_AHEAD_MS and self.port != RECORDING:
+            raise ValueError(f"ahead_ms: expected at most {MOST_AHEAD_MS:g} with a motor, got {self.ahead_ms:g}")
         return self
 
     @property
