@@ -221,6 +221,26 @@ def test_a_place_that_cannot_be_is_not_told():
     assert bench.state.angle == pytest.approx(bench.far_end.angle(), abs=math.radians(3))
 
 
+@pytest.mark.parametrize(("beyond_deg", "doubted"), [(0, False), (45, True)])
+def test_a_report_from_before_a_pause_and_one_after_it_are_no_jump(beyond_deg, doubted):
+    """A pause of the whole computer, on which the other end of the bus runs, too: nothing was sent meanwhile."""
+    bench = Bench().open()
+    bench.go(-150)
+    bench.settle()
+    bench.go(190, 0.8)
+    bench.cancel()
+    bench.clock.sleep(QUANTUM)
+    before = [frame for frame in bench.wire.receive() if frame.id == 0x180 + NODE]
+    bench.clock.sleep(0.15)
+    bench.wire.receive()
+    bench.wire.brought = before
+    bench.actuator.poll(bench.clock.now())
+    bench.far_end.axle.angle += math.radians(beyond_deg)
+    bench.clock.sleep(QUANTUM)
+    bench.actuator.poll(bench.clock.now())
+    assert ("it jumps by" in bench.fault) is doubted
+
+
 def test_a_goal_right_after_homing_is_not_forgotten():
     bench = Bench().open()
     bench.actuator.home()

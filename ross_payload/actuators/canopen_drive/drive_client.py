@@ -27,7 +27,8 @@ class DriveReport:
     status: int = 0
     position: int = 0  # [counts]
     mode: int = 0
-    time: float = -math.inf  # when it came [s]
+    time: float = -math.inf  # when it was read [s]
+    since: float = -math.inf  # when the bus was read before: it came later [s]
 
 
 class DriveClient:
@@ -52,6 +53,7 @@ class DriveClient:
         self._booted: float | None = None
         self._started = math.inf  # [s]
         port.receive()  # what was said before we came is not for us
+        self._read_at = now  # the bus [s]
         self.heard_at = -math.inf  # any word of the drive [s]
         self.running = False  # the drive is set up and has been started
         self.report = DriveReport()
@@ -71,6 +73,7 @@ class DriveClient:
         for frame in self._port.receive():
             if not frame.extended:
                 self._on_frame(frame, now)
+        self._read_at = now
         if self._booted is not None and now >= self._booted + BOOT_UP_WINDOW_S - TIME_TOLERANCE_S:
             self._booted, self.running, self._started = None, False, math.inf
             self._set_event(f"the drive at node {self._node} has restarted")
@@ -177,7 +180,7 @@ class DriveClient:
             self._set_event(f"two devices have node id {self._node}: one has just booted, the other kept running")
         else:
             status, position, mode = values
-            self.report = DriveReport(status, position, mode, now)
+            self.report = DriveReport(status, position, mode, now, self._read_at)
 
     def _on_velocity(self, data: bytes) -> None:
         values = frames.unpacked(drive_setup.TPDO2_ITEMS, data)

@@ -16,7 +16,7 @@ from ross_payload.actuators.canopen_drive.cia402_controller import (
     Cia402Controller,
     DriveDiagnostics,
 )
-from ross_payload.actuators.canopen_drive.drive_client import DriveClient
+from ross_payload.actuators.canopen_drive.drive_client import DriveClient, DriveReport
 from ross_payload.actuators.canopen_drive.drive_setup import DriveSetup
 from ross_payload.actuators.canopen_drive.options import Options
 from ross_payload.actuators.canopen_drive.position_filter import PositionFilter
@@ -171,7 +171,7 @@ class CanopenDrive(Driver):
                 self._begin()  # it has just been switched on
         if client.running and client.report.time > self._published:
             joint, rate = self._options.joint(client.report.position), client.velocity / self._options.scale
-            self._on_position(joint, rate, client.report.time)
+            self._on_position(joint, rate, client.report)
         self._latch(client.event)
         client.event = ""
         if client.fresh:
@@ -180,11 +180,11 @@ class CanopenDrive(Driver):
             trouble = self._diagnostics.trouble(self._controller, client.report, client.emergency, now)
             self._latch(trouble if not self._fault else "")
 
-    def _on_position(self, joint: float, rate: float, time: float) -> None:
+    def _on_position(self, joint: float, rate: float, report: DriveReport) -> None:
         """Take a new place; one that cannot be true is a fault, and no place."""
         if self._controller.mode is Mode.HOMING:
             self._positions.clear()  # the drive will count from elsewhere
-        jump = self._positions.update(joint, rate, time)
+        jump = self._positions.update(joint, rate, report.time, report.since)
         self._latch(f"implausible position from the drive: it {jump}" if jump else "")
 
     def _latch(self, fault: str) -> None:

@@ -24,9 +24,9 @@ class PositionFilter:
     Examples
     --------
     >>> positions = PositionFilter(settle=0.1, top=4.0, acceleration=2.0)
-    >>> positions.update(0.0, 0.0, 1.00), positions.update(0.01, 0.5, 1.02)
+    >>> positions.update(0.0, 0.0, 1.00, 0.98), positions.update(0.01, 0.5, 1.02, 1.00)
     ('', '')
-    >>> positions.update(0.51, 0.5, 1.04)
+    >>> positions.update(0.51, 0.5, 1.04, 1.02)
     'jumps by 28.6 deg at 28.6 deg/s'
     """
 
@@ -34,14 +34,16 @@ class PositionFilter:
         self._settle, self._top, self._acceleration = settle, top, acceleration
         self.joint = 0.0  # the last that can be true [rad]
         self._positions: deque[tuple[float, float]] = deque()  # time [s], joint angle [rad]
+        self._since = -math.inf  # of the last one [s]
 
     def clear(self) -> None:
         """Forget all."""
         self._positions.clear()
 
-    def update(self, joint: float, rate: float, now: float) -> str:
-        """Take a report of angle and speed; say what cannot be true about it."""
+    def update(self, joint: float, rate: float, now: float, since: float) -> str:
+        """Take a report of angle and speed that was sent after ``since`` [s]; say what cannot be true about it."""
         fault = self._doubt(joint, rate, now)
+        self._since = since
         self.joint = self.joint if fault else joint
         self._positions.append((now, joint))
         while len(self._positions) > 1 and self._positions[1][0] <= now - self._settle:
@@ -58,8 +60,8 @@ class PositionFilter:
     def _doubt(self, joint: float, rate: float, now: float) -> str:
         if not self._positions:
             return ""
-        time, before = self._positions[-1]
-        passed = now - time + REPORT_JITTER_S
+        _, before = self._positions[-1]
+        passed = now - self._since + REPORT_JITTER_S
         way, most = abs(joint - before), abs(rate) * passed + self._acceleration * passed**2 / 2 + MAX_JUMP_RAD
         if abs(rate) > self._top or way > most:
             return f"jumps by {math.degrees(way):.1f} deg at {math.degrees(abs(rate)):.1f} deg/s"
