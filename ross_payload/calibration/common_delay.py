@@ -20,13 +20,15 @@ RIDGE = 1e-6  # of the weight: two sources at one place share it
 TINY = 1e-12
 
 
-def common_delay(turn: Turn, amplitude: float) -> tuple[float, float, float]:
+def common_delay(turn: Turn, steered: Steered, amplitude: float) -> tuple[float, float, float]:
     """The delay of microphone 2 before 1, whatever the heading, that leaves the least of what was heard unexplained.
 
     Parameters
     ----------
     turn
         What was heard.
+    steered
+        All of it.
     amplitude
         d / v_p [s].
 
@@ -35,7 +37,6 @@ def common_delay(turn: Turn, amplitude: float) -> tuple[float, float, float]:
     tuple
         The delay [s], a multiple of `STEP`; what it leaves unexplained, a share of the weight; what none leaves.
     """
-    steered = Steered(turn, turn.phase)
     left = {steps: _left(turn, steered, amplitude, steps * STEP) for steps in (0, -FIRST, FIRST)}
     best = min(left, key=left.__getitem__)
     while best and abs(best) < LAST:
@@ -57,7 +58,8 @@ def _left(turn: Turn, first: Steered, amplitude: float, delay: float) -> float:
         chosen = delays[:, steered.share(delays).argmax()]
         waves.append(np.exp(2j * np.pi * np.outer(chosen, turn.frequencies)))
         left = _without(turn, waves)
-    return float((turn.weight * np.abs(left) ** 2).sum() / (turn.weight.sum() + TINY))
+    untold = 1 - np.abs(turn.phase) ** 2  # of neighbours that disagree no source explains more than their mean
+    return float((turn.weight * (np.abs(left) ** 2 + untold)).sum() / (turn.weight.sum() + TINY))
 
 
 def _without(turn: Turn, waves: list[Complex]) -> Complex:

@@ -17,6 +17,7 @@ from ross_payload.calibration.turn_fit import AZIMUTHS, Steered, Turn
 from ross_payload.interfaces import Real
 
 FEWEST = 5  # headings
+POOLED = 8  # bins for which one frequency stands: 32 Hz, over which a delay of 1 ms turns the phase by 12 deg
 LONG = 0.125  # wavelengths that the spacing may be, where polarity shows: 45 deg of phase along the axis
 LEAST_BINS = 8
 OPPOSITE = -0.5  # mean cosine of the phase below which polarity is reversed
@@ -58,11 +59,15 @@ def contradiction(
     turn = Turn.of(spectra)
     if _inverted(turn, spacing, speed_of_sound):  # nothing else can be told
         return Contradiction(inverted=True)
-    if level and _fixed(turn, spacing / speed_of_sound):
-        return Contradiction(gain_db=_gain(turn), fixed=True)
-    found = _spacing(turn, spacing, speed_of_sound)
-    delay = _delay(turn, spacing / speed_of_sound) if level and found is None else None
-    return Contradiction(found if found is None or level or found > spacing else None, _gain(turn), delay=delay)
+    gain, turn = _gain(turn), turn.pooled(POOLED)
+    steered = Steered(turn, turn.phase)
+    explained, alike = explained_by(turn, steered, RATIOS * spacing / speed_of_sound), _left_alike(turn, steered)
+    if level and 1 - float(explained.max()) > LEFT * alike:  # interference, or one channel twice
+        return Contradiction(gain_db=gain, fixed=True)
+    ratio = _ratio(explained, alike)
+    found = None if ratio is None else ratio * spacing
+    delay = _delay(turn, steered, spacing / speed_of_sound) if level and found is None else None
+    return Contradiction(found if found is None or level or found > spacing else None, gain, delay=delay)
 
 
 def _inverted(turn: Turn, spacing: float, speed_of_sound: float) -> bool:
@@ -83,37 +88,31 @@ def _gain(turn: Turn) -> float | None:
     return mean if abs(mean) > GAIN_DB and abs(mean) > SURE * error else None
 
 
-def _fixed(turn: Turn, amplitude: float) -> bool:
-    """Whether no delay at all explains clearly more than any source at rest: interference, or one channel twice."""
-    return 1 - float(explained_by(turn, RATIOS * amplitude).max()) > LEFT * _left_alike(turn)
-
-
-def _left_alike(turn: Turn) -> float:
+def _left_alike(turn: Turn, steered: Steered) -> float:
     """Share of the weight that no delay at all leaves unexplained."""
-    return 1 - float(Steered(turn, turn.phase).share(np.zeros((len(turn.headings), 1)))[0])
+    return 1 - float(steered.share(np.zeros((len(turn.headings), 1)))[0])
 
 
-def _delay(turn: Turn, amplitude: float) -> float | None:
+def _delay(turn: Turn, steered: Steered, amplitude: float) -> float | None:
     """The delay between the channels with which sources at rest explain clearly more than without."""
-    delay, left, without = common_delay(turn, amplitude)
+    delay, left, without = common_delay(turn, steered, amplitude)
     return delay if without > LEFT_TOGETHER * left and without - left > EXPLAINED else None
 
 
-def _spacing(turn: Turn, spacing: float, speed_of_sound: float) -> float | None:
-    """The spacing with which one source at rest explains most, where that leaves clearly less than the configured one.
+def _ratio(explained: Real, alike: float) -> float | None:
+    """The spacing with which one source at rest explains most, over the configured one, where it leaves clearly less.
 
     The others who talk are left in any case, and do not decide: all of them would want the same spacing.
     """
-    explained = explained_by(turn, RATIOS * spacing / speed_of_sound)
     right = (RATIOS > NARROW) & (RATIOS < WIDE)
     best, near = int(explained.argmax()), float(explained[right].max())
     left = 1 - explained[best]
-    if right[best] or 1 - near < LEFT * left or (RATIOS[best] < 1 and _left_alike(turn) < LEFT_ALIKE * left):
+    if right[best] or 1 - near < LEFT * left or (RATIOS[best] < 1 and alike < LEFT_ALIKE * left):
         return None
-    return float(RATIOS[best] * spacing)
+    return float(RATIOS[best])
 
 
-def explained_by(turn: Turn, amplitudes: Real) -> Real:
+def explained_by(turn: Turn, steered: Steered, amplitudes: Real) -> Real:
     """Largest share of the weight that one source at rest explains with each amplitude d / v_p [s], (n_amplitudes,)."""
-    steered, cosines = Steered(turn, turn.phase), np.cos(AZIMUTHS - turn.headings[:, None])
+    cosines = np.cos(AZIMUTHS - turn.headings[:, None])
     return np.array([steered.share(amplitude * cosines).max() for amplitude in amplitudes])

@@ -15,8 +15,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 
 from ross_payload.angles import difference
@@ -55,6 +57,22 @@ class Turn:
             np.stack([each.weight for each in spectra]),
             np.stack([each.level_db for each in spectra]),
         )
+
+    def pooled(self, bins: int) -> Turn:
+        """The same with fewer frequencies: each stands for so many neighbours, those left over at the top for none.
+
+        The phase is their weighted mean, of a modulus below 1 where they disagree; a delay tau turns it by
+        ``2 pi tau`` times their distance, and shortens it by what a mean over that arc is shorter.
+        """
+        n = len(self.frequencies) // bins
+
+        def groups(values: NDArray[Any]) -> NDArray[Any]:
+            return values[..., : n * bins].reshape(*values.shape[:-1], n, bins)
+
+        weight = groups(self.weight)
+        whole = weight.sum(axis=-1)
+        phase, level = ((weight * groups(each)).sum(axis=-1) / (whole + TINY) for each in (self.phase, self.level_db))
+        return Turn(self.headings, groups(self.frequencies).mean(axis=-1), phase, whole, level)
 
 
 @dataclass(frozen=True, slots=True)

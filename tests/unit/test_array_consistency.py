@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from mission_bench import SETTINGS, rig
-from ross_payload.calibration.consistency import Contradiction, contradiction
+from ross_payload.calibration.common_delay import common_delay
+from ross_payload.calibration.consistency import Contradiction, contradiction, explained_by
 from ross_payload.calibration.cross_spectrum import heading_spectrum
+from ross_payload.calibration.turn_fit import Steered, Turn
 from ross_payload.config import Config, validated
 from ross_payload.events import ArrayContradicted, OrientationHeard, State, StateChanged
 from ross_payload.interfaces import Attitude, AudioBlock, Input
@@ -180,3 +182,18 @@ def test_every_exploration_of_a_mission_looks_at_the_array(monkeypatch):
     assert (event.gain_db, event.spacing, event.inverted) == (2.0, None, False)
     last = max(e.time for e in one.said(OrientationHeard))
     assert last <= event.time < min(e.time for e in one.said(StateChanged) if e.state is State.ALIGN_TURN) + 0.1
+
+
+def test_pooled_frequencies_explain_as_much_as_all():
+    generator, frequencies = np.random.default_rng(4), 300 + 4.0 * np.arange(1500)
+    headings = np.radians(np.arange(7) * 25.0)
+    delays = 1.4e-4 * np.cos(np.radians(50.0) - headings)
+    phase = np.exp(2j * np.pi * np.outer(delays, frequencies) + 0.7j * generator.standard_normal((7, 1500)))
+    turn = Turn(headings, frequencies, phase, generator.uniform(0.1, 1.0, (7, 1500)), np.zeros((7, 1500)))
+    amplitudes = 1.4e-4 * np.arange(0.5, 2.5, 0.25)
+    few = turn.pooled(8)
+    assert few.frequencies.size == 187
+    every, some = (explained_by(each, Steered(each, each.phase), amplitudes) for each in (turn, few))
+    assert some == pytest.approx(every, abs=3e-3)
+    (_, left, _), (_, same, _) = (common_delay(each, Steered(each, each.phase), 1.4e-4) for each in (turn, few))
+    assert same == pytest.approx(left, abs=5e-3)
