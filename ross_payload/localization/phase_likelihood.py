@@ -169,8 +169,8 @@ def _tables(statistics: FrameStatistics, turned: Real, scene: Scene, hearing: He
     for source in range(len(delays)):
         table = plain.copy()
         table[low] = own[low]
-        for column, part in enumerate(PARTS):
-            table[low] += shared[low, column, None] * (beside[low] @ _drawn(source, part, delays, scene.shares))
+        for column, drawn in enumerate(_drawn(source, delays, scene.shares)):
+            table[low] += shared[low, column, None] * (beside[low] @ drawn)
         tables.append(table)
     return tables, nobody.astype(np.float32)
 
@@ -180,13 +180,14 @@ def _von_mises(off: Real, kappa: Real) -> Real:
     return np.asarray(np.exp(kappa * off) / (2 * np.pi * i0e(kappa)), np.float32)
 
 
-def _drawn(source: int, part: float, delays: Real, shares: Real) -> Real:
-    """Which delay (rows) a bin has whose source has a delay (columns), when another has a part of it, (n, n)."""
-    drawn, column = np.zeros((N_DELAYS, N_DELAYS), np.float32), np.arange(N_DELAYS)
+def _drawn(source: int, delays: Real, shares: Real) -> Real:
+    """Which delay (rows) a bin has whose source has a delay (columns), when another has some of it, (n_parts, n, n)."""
+    drawn = np.zeros((len(PARTS), N_DELAYS, N_DELAYS), np.float32)
+    row, column, parts = np.arange(len(PARTS))[:, None], np.arange(N_DELAYS), PARTS[:, None]
     others = np.delete(np.arange(len(delays)), source)
     for other, odds in zip(others, shares[others] / shares[others].sum(), strict=True):
-        place = ((1 - part) * DELAYS + part * delays[other] + 1) / (DELAYS[1] - DELAYS[0])
+        place = ((1 - parts) * DELAYS + parts * delays[other] + 1) / (DELAYS[1] - DELAYS[0])
         below = np.clip(np.floor(place).astype(int), 0, N_DELAYS - 2)
-        drawn[below, column] += odds * (1 - place + below)
-        drawn[below + 1, column] += odds * (place - below)
+        drawn[row, below, column] += odds * (1 - place + below)
+        drawn[row, below + 1, column] += odds * (place - below)
     return drawn

@@ -15,6 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.fft import irfft, rfft
 
 from ross_payload.interfaces import Real
@@ -53,36 +54,40 @@ class _Correction:
         others = np.maximum(mixture - part * self.marginal[:, source], TINY) / np.maximum(1 - part, TINY)
         gone = np.array([source in left for left in self.left])
         rest, away = np.flatnonzero(~gone), np.flatnonzero(gone)
-        for rows, density in ((rest, self.marginal[rest, source][..., None]), (away, found.density[source][None])):
-            voiced, each = _cases(density, others[rows], part[rows], self.talking[rows, source], found)
-            for row, talks, either in zip(rows.tolist(), voiced, each, strict=True):
-                self._apply(source, row, talks, either, found)
+        here, anywhere = self.marginal[rest, source][..., None], found.density[source][None]
+        voiced, each = _cases(here, others[rest], part[rest], self.talking[rest, source], found)
+        self._apply_at_rest(source, rest, voiced[:, 0], each[:, 0])
+        voiced, each = _cases(anywhere, others[away], part[away], self.talking[away, source], found)
+        for row, talks, either in zip(away.tolist(), voiced, each, strict=True):
+            self._apply(source, row, talks, either, found)
         if len(rest):
             best = rest[self.weights[rest].argmax()][None]
             talking = self.talking[best, source]
-            _, each = _cases(found.density[source][None], others[best], part[best], talking, found)
+            _, each = _cases(anywhere, others[best], part[best], talking, found)
             log = keep * np.log(self.rests[source] + TINY) + (1 - keep) * np.log(home_density + TINY)
             log += self.weights[rest].sum() * each[0][found.case[source]]
             after = np.exp(log - log.max())
             self.rests[source] = after / after.sum()
 
+    def _apply_at_rest(self, source: int, rows: NDArray[np.intp], talks: Real, either: Real) -> None:
+        """Correct one source where it rests, by the log-likelihoods that it talks, and that it does or is silent."""
+        self.talking[rows, source] = np.clip(np.exp(np.minimum(talks - either, LOUD)), SOMETIMES, 1 - SOMETIMES)
+        self.log[rows] += either
+
     def _apply(self, source: int, row: int, talks: Real, either: Real, found: Likelihood) -> None:
-        """Correct one source in one hypothesis by the log-likelihoods of its cases: it talks; it does or is silent."""
-        belief = self.left[row].get(source)
-        places = np.ones(1)
-        if belief is not None:
-            places, case = belief.sum(axis=0), found.case[source]
-            talks, either = talks[case], either[case]
+        """Correct one source that has left in one hypothesis, by the same of all places."""
+        belief = self.left[row][source]
+        places, case = belief.sum(axis=0), found.case[source]
+        talks, either = talks[case], either[case]
         highest = float(either[places > TINY].max())
         gain = np.exp(np.minimum(either - highest, LOUD))
         total = float(places @ gain) + TINY
         talking = float(places @ np.exp(np.minimum(talks - highest, LOUD))) / total
         self.talking[row, source] = np.clip(talking, SOMETIMES, 1 - SOMETIMES)
         self.log[row] += highest + np.log(total)
-        if belief is not None:
-            after = belief * gain.astype(np.float32)
-            self.left[row][source] = after / after.sum()
-            self.marginal[row, source] = found.marginal(source, self.left[row][source].sum(axis=0))
+        after = belief * gain.astype(np.float32)
+        self.left[row][source] = after / after.sum()
+        self.marginal[row, source] = found.marginal(source, self.left[row][source].sum(axis=0))
 
 
 def _cases(density: Real, others: Real, part: Real, talking: Real, found: Likelihood) -> tuple[Real, Real]:

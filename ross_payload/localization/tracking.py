@@ -120,9 +120,9 @@ def predict(tracks: Tracks, seconds: float, motion: Motion = MOTION) -> Tracks:
             kept = float(belief.sum())
             left[source] = belief / kept
             weight *= kept
-        parts += _branches(replace(each, weight=weight, left=left), fresh, near <= 2 * PLACE, seconds, motion)
-    talking = [replace(part, talking=talks(part.talking, seconds, motion)) for part in parts]
-    return replace(tracks, hypotheses=_merged(talking), ages=tracks.ages + seconds)
+        after = Hypothesis(weight, left, talks(each.talking, seconds, motion))
+        parts += _branches(after, fresh, near <= 2 * PLACE, seconds, motion)
+    return replace(tracks, hypotheses=_merged(parts), ages=tracks.ages + seconds)
 
 
 def _branches(
@@ -143,16 +143,16 @@ def _branches(
             rest, share = {**left, source: fresh[source]}, out
         else:
             continue
-        parts.append(replace(hypothesis, weight=weight * share, left=rest))
+        parts.append(Hypothesis(weight * share, rest, hypothesis.talking))
         weight *= 1 - share
-    return [*parts, replace(hypothesis, weight=weight, left=left)]
+    return [*parts, Hypothesis(weight, left, hypothesis.talking)]
 
 
 def _merged(parts: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
     """Hypotheses with the same members become one; the likeliest are kept, none of them as unlikely as it seems."""
     groups: dict[Members, list[Hypothesis]] = {}
     for part in parts:
-        groups.setdefault(part.members, []).append(replace(part, weight=max(part.weight, TINY)))
+        groups.setdefault(part.members, []).append(Hypothesis(max(part.weight, TINY), part.left, part.talking))
     totals = {members: sum(part.weight for part in group) for members, group in groups.items()}
     kept = sorted(totals, key=lambda members: (-totals[members], len(members), members))[:MOST]
     whole = sum(totals[members] for members in kept)
@@ -164,7 +164,7 @@ def _merged(parts: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
 def _mixed(group: Sequence[Hypothesis], total: float, weight: float) -> Hypothesis:
     """One hypothesis of several with the same members."""
     if len(group) == 1:
-        return replace(group[0], weight=weight)
+        return Hypothesis(weight, group[0].left, group[0].talking)
     odds = np.array([part.weight for part in group]) / total
     left = {
         source: np.tensordot(odds.astype(np.float32), np.stack([part.left[source] for part in group]), 1)
