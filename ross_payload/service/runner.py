@@ -78,8 +78,8 @@ class JointHistory:
         if after == count:
             newest = reports[count - 1]
             return newest.angle + newest.rate * min(time - times[count - 1], EXTRAPOLATION_S)
-        if after == 0:
-            return reports[0].angle
+        if after == 0 or times[after - 1] == -math.inf:  # heard before the first report, which tells where it stood
+            return reports[after].angle
         share = (time - times[after - 1]) / (times[after] - times[after - 1])
         return reports[after - 1].angle + share * (reports[after].angle - reports[after - 1].angle)
 

@@ -1,5 +1,7 @@
 """Where the array pointed in the past, from the reports of its actuator."""
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -32,6 +34,13 @@ def test_an_angle_between_two_reports_is_interpolated():
 
 def test_before_the_first_report_the_array_was_where_it_says():
     assert kept(report(5.0, 0.7)).angle(1.0) == 0.7
+
+
+def test_an_actuator_that_has_reported_nothing_yet_stood_where_its_first_report_says():
+    """What is heard while it is looked for waits in the buffer, and asks later where the array pointed."""
+    history = kept(report(-math.inf, 0.0, settled=False), report(5.0, 0.7))
+    assert history.angle(1.0) == 0.7
+    assert not history.settled(1.0, 1.01)
 
 
 def test_the_newest_rate_is_trusted_for_a_tenth_of_a_second():
