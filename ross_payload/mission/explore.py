@@ -13,6 +13,7 @@ from ross_payload.calibration.cross_spectrum import HEARD, heading_spectrum
 from ross_payload.events import ArrayContradicted, Doubted, Estimate, State
 from ross_payload.mission.context import Context, FrameChanged, Step, listen
 from ross_payload.mission.explore_turning import explore_turning
+from ross_payload.mission.heading_control import BEARABLE
 from ross_payload.mission.heading_hold import face
 from ross_payload.mission.orientation_scan import certain, matched, orientation, say_belief
 from ross_payload.mission.pipeline import Visits, promising, visit
@@ -118,7 +119,7 @@ def _nearest(context: Context, todo: list[tuple[float, float]]) -> tuple[float, 
 
 def _step(context: Context, heading: float, joint: float) -> Step[None]:
     r = len(context.explored)
-    if r:
+    if r or abs(joint - context.pointing.joint) > BEARABLE:
         context.enter(State.EXPLORE_TURN, f"rotation {r} of {context.settings.max_rotations}")
         yield from face(context, heading, joint, f"rotation {r}")
     context.enter(State.EXPLORE_LISTEN, f"orientation {r}")
@@ -133,9 +134,11 @@ def _same(context: Context, heading: float, other: float) -> bool:
 def schedule(context: Context) -> Iterator[float]:
     """Joint angles [rad] of the exploration: equal steps from here, first towards the side with more room.
 
-    What does not fit on that side is taken on the other, stepping away from the start.
+    What does not fit on that side is taken on the other, stepping away from the start. Where the joint stands outside
+    its limits, as at a switch beyond them, the nearer limit is the start.
     """
-    settings, start = context.settings, context.pointing.joint
+    settings = context.settings
+    start = min(max(context.pointing.joint, settings.lower), settings.upper)
     room_up, room_down = settings.upper - start, start - settings.lower
     sign = 1.0 if room_up >= min(room_down, settings.max_rotations * settings.rotation) else -1.0
     ahead = int(((room_up if sign > 0 else room_down) + 1e-9) // settings.rotation)

@@ -40,8 +40,10 @@ class Sweep:
 def sweep_from(settings: Settings, joint: float) -> Sweep:
     """Sweep over half a turn from a joint angle [rad] on, or over as much as the limits allow.
 
-    It begins towards the side with more room. What does not fit there is turned on the other side of the start.
+    It begins towards the side with more room. What does not fit there is turned on the other side of the start, which
+    is the nearer limit where the joint stands outside.
     """
+    joint = min(max(joint, settings.lower), settings.upper)
     span = min(HALF, IN_TIME * settings.longest_move * settings.turn_rate)
     room_up, room_down = settings.upper - joint, joint - settings.lower
     up = room_up >= min(room_down, span)

@@ -206,6 +206,13 @@ def test_the_ends_lie_inside_the_limits_and_half_a_turn_apart_where_there_is_roo
     assert np.rad2deg(sweep.ends) == pytest.approx(ends)
 
 
+@pytest.mark.parametrize(("joint", "ends"), [(-50, (50, 0)), (250, (50, 100))])
+def test_who_stands_beyond_a_limit_sweeps_from_there(joint, ends):
+    limited = replace(TURNING, lower=0.0, upper=np.deg2rad(100))
+    sweep = sweep_from(replace(limited, turn_rate=np.deg2rad(5.0), longest_move=12.5), np.deg2rad(joint))
+    assert np.rad2deg(sweep.ends) == pytest.approx(ends)
+
+
 def test_no_move_takes_longer_than_the_guard_bears():
     sweep = sweep_from(replace(TURNING, turn_rate=np.deg2rad(5.0), longest_move=20.0), 0.0)
     assert abs(sweep.ends[0]) / sweep.rate <= 16.0 + 1e-9

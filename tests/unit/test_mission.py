@@ -103,6 +103,21 @@ def test_exploration_uses_both_sides_of_a_narrow_travel():
     assert degrees == [0, 15, 30, -15, -30]
 
 
+@pytest.mark.parametrize(
+    ("joint", "lower", "upper", "heard"),
+    [(0, 17, 106, [17, 32, 47, 62, 77]), (0, 40, 70, [40, 55, 70]), (120, -50, 90, [90, 75, 60, 45, 30])],
+)
+def test_a_joint_that_stands_beyond_a_limit_turns_to_it_first(joint, lower, upper, heard):
+    """So it stands once it has found its zero at a switch beyond the limits."""
+    settings = replace(SETTINGS, lower=np.deg2rad(lower), upper=np.deg2rad(upper))
+    one = rig(explorer=ThreeTalkers(certain=False), settings=settings)
+    one.joint = one.goal = np.deg2rad(joint)
+    one.run()
+    assert [round(np.rad2deg(event.joint)) for event in one.said(OrientationHeard)] == heard
+    goals = [output.goal for output in one.outputs if output.goal is not None]
+    assert all(settings.lower <= goal <= settings.upper for goal in goals)
+
+
 def test_every_goal_lies_inside_the_travel():
     tight = replace(SETTINGS, lower=np.deg2rad(-20), upper=np.deg2rad(50))
     one = rig(settings=tight)
