@@ -143,6 +143,7 @@ class LiveSession:
             self._rest("the actuator is ready")  # nothing was turned: what is latched is still a fault
         self._starting = self._starting and bool(heard.fault)
         self._fault = heard.fault
+        self._say_known()  # as soon as the frame of its azimuths is back
         return heard
 
     def _idle(self) -> Step[Order]:
@@ -259,10 +260,19 @@ class LiveSession:
     def _close(self, task: Task, result: Result, state: State) -> None:
         """Say how a task ended."""
         self._waiting += self._context.later
+        self._remember(self._context.pending)
+        self._say_known()
         self._enter(state, result.reason)
         if not isinstance(task, Point):  # by hand, and no mission
             self._context.publish(Finished(self._context.time, result.outcome, result.reason))
         self._answer(task, ANSWERS.get(result.outcome, Answer.DONE), result.reason)
+
+    def _say_known(self) -> None:
+        """Say again what is known where an exploration did not come to its end: orders count by these sources."""
+        known, earth = self._memory.estimate, self._context.pointing.earth
+        if self._memory.unfinished and known is not None and self._memory.earth == earth:
+            self._context.publish(SourcesEstimated(self._context.time, known, rotations=0, final=True, informed=True))
+            self._memory = replace(self._memory, unfinished=False)
 
     def _watched(self, task: Task) -> Step[Result]:
         """Perform a task; remember what it finds out and tell how far it is."""
@@ -276,7 +286,6 @@ class LiveSession:
             try:
                 output = step.send((yield replace(output, events=output.events + progress)))
             except StopIteration as end:
-                self._remember(self._context.pending)
                 if isinstance(task, MeasureNoise):
                     heard = self._context
                     self._memory = replace(
@@ -292,8 +301,11 @@ class LiveSession:
         for event in events:
             if isinstance(event, Enrolled):
                 self._enrolled = event
+            if isinstance(event, SourcesEstimated):
+                self._memory = replace(self._memory, unfinished=not event.final)
             if isinstance(event, SourcesEstimated) and event.final:
-                earth, explored = self._context.pointing.earth, not event.informed
+                earth, again = self._context.pointing.earth, event.estimate is self._memory.estimate
+                explored = not event.informed or (again and self._memory.explored)
                 self._memory = replace(self._memory, estimate=event.estimate, earth=earth, explored=explored)
             elif isinstance(event, SourcesTracked | SourcesReconsidered):
                 self._memory = replace(self._memory, estimate=event.estimate)

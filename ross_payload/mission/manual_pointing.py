@@ -130,7 +130,8 @@ class _SetPointController:
         if not self.point.rate:
             return self._goal
         reach, way = abs(self.point.rate) * (self._context.time - self._since + AHEAD), self._goal - self._start
-        return self._goal if abs(way) <= reach else self._start + math.copysign(reach, way)
+        settings, there = self._context.settings, self._start + math.copysign(reach, way)
+        return self._goal if abs(way) <= reach else min(max(there, settings.lower), settings.upper)
 
     def _tolerance(self, asked: float) -> float:
         """Return how far the motor's goal may be from the one that is wanted [rad]."""

@@ -40,6 +40,7 @@ class Memory:
     estimate: Estimate | None = None
     earth: bool = False  # the frame of its azimuths
     explored: bool = False  # it was heard, not told
+    unfinished: bool = False  # an exploration that has not come to its end has told other sources since
     noise: Samples | None = None  # heard at rest while nobody talked, (2, n)
     noise_aboard: float = 0.0  # heading in the frame of the vehicle where it was heard [rad]
     noise_speeds: Real | None = None  # of the rotors meanwhile [1/s], (n_hops, n_rotors)

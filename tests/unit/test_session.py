@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, PluginError
 from ross_payload.events import (
     Answer,
     Finished,
@@ -19,6 +19,7 @@ from ross_payload.events import (
 from ross_payload.mission.live_session import Kit
 from ross_payload.mission.tasks import Memory
 from ross_payload.orders import (
+    Cancel,
     Explore,
     Home,
     Informed,
@@ -33,7 +34,7 @@ from ross_payload.orders import (
     Stop,
     TurnTo,
 )
-from session_bench import AZIMUTHS, HOP, RATE, Bench, estimate, make, nobody
+from session_bench import AZIMUTHS, HOP, RATE, Bench, Numbered, estimate, make, nobody
 
 
 @pytest.fixture
@@ -89,6 +90,78 @@ def test_what_is_known_in_another_frame_is_not_known():
     assert bench.over(1).answer is Answer.REFUSED
 
 
+def test_the_sources_that_orders_count_are_told_again_when_an_exploration_does_not_end(bench):
+    bench.hop(Explore(number=1))
+    bench.over(1)
+    bench.hop(Explore(number=2))
+    assert bench.hops_until(SourcesEstimated).estimate.k == 0  # so far
+    bench.hop(Cancel(number=3))
+    bench.over(2)
+    told = [event for event in bench.events if isinstance(event, SourcesEstimated)][-1]
+    assert told.final
+    assert told.estimate == bench.session.memory.estimate == estimate()
+    count = len(bench.events)
+    bench.hop(ListenTo(2, number=4))
+    assert bench.over(4).answer is Answer.DONE
+    assert not [event for event in bench.events[count:] if isinstance(event, SourcesEstimated)]
+
+
+def test_they_are_told_again_when_the_frame_of_their_azimuths_is_back(bench):
+    bench.hop(Explore(number=1))
+    bench.over(1)
+    bench.known = True
+    bench.hop(Explore(number=2))
+    bench.hops_until(SourcesEstimated)
+    bench.hop(Cancel(number=3))
+    bench.over(2)
+    bench.hop()
+    assert not [event for event in bench.events if isinstance(event, SourcesEstimated)][-1].final
+    bench.known = False
+    assert bench.hops_until(SourcesEstimated, limit=3).final
+    for _ in range(10):
+        bench.hop()
+    assert [event.final for event in bench.events if isinstance(event, SourcesEstimated)][-2:] == [False, True]
+
+
+def test_an_exploration_that_does_not_end_leaves_what_it_told_where_nothing_else_is_known(bench):
+    bench.hop(Explore(number=1))
+    bench.hops_until(SourcesEstimated)
+    bench.hop(Cancel(number=2))
+    bench.over(1)
+    told = [event for event in bench.events if isinstance(event, SourcesEstimated)]
+    assert [event.final for event in told] == [False]
+    bench.hop(ListenTo(0, number=3))
+    assert bench.over(3).answer is Answer.REFUSED
+
+
+def test_azimuths_that_were_heard_stay_so_when_a_voice_is_sought_among_them(bench):
+    """What is told by somebody does not show that the array has slipped."""
+    bench.hop(Explore(number=1))
+    bench.over(1)
+    bench.hop(Seek(number=2))
+    bench.over(2)
+    assert bench.session.memory.explored
+    bench.hop(Informed(tuple(np.deg2rad(AZIMUTHS)), number=3))
+    bench.over(3)
+    assert not bench.session.memory.explored
+
+
+def test_an_estimate_is_known_when_a_plug_in_fails_right_after_it():
+    class Broken(Numbered):
+        def batch(self, spectrogram, scene):
+            raise PluginError("separator 'broken': no")
+
+    def broken(config):
+        kit = make(config)
+        return Kit(kit.settings, replace(kit.tools, separator=Broken()))
+
+    bench = Bench(make=broken)
+    bench.hop(Seek(number=1))
+    assert bench.over(1).answer is Answer.FAILED
+    assert [event for event in bench.events if isinstance(event, SourcesEstimated)][-1].final
+    assert bench.session.memory.estimate == estimate()
+
+
 def test_the_enrolled_voice_is_found_and_kept(bench):
     bench.hop(Seek(number=1))
     assert bench.over(1).answer is Answer.DONE
@@ -130,6 +203,16 @@ def test_who_is_near_an_azimuth_is_a_known_source_and_else_a_new_one(degrees, k,
     delivered = next(e for e in bench.events if isinstance(e, Separated))
     assert len(delivered.groups) == k
     assert delivered.groups[delivered.target].members == (source,)
+
+
+def test_a_slow_rate_from_beyond_a_limit_asks_for_no_angle_outside(bench):
+    """The joint stands beyond its limits where the switch is by which it finds its zero."""
+    bench.joint = bench.goal = 4.0
+    bench.hop(Point(rate=-0.05))
+    for _ in range(50):
+        bench.hop()
+    assert bench.goals
+    assert max(bench.goals) <= 3.5
 
 
 def test_a_heading_is_turned_to(bench):
