@@ -21,6 +21,7 @@ from ross_payload.mission.manual_pointing import by_hand, unreachable
 from ross_payload.mission.mission_sequence import attempts
 from ross_payload.mission.orientation_scan import matched
 from ross_payload.mission.slip_detection import survey
+from ross_payload.plugin_results import MOST_SOURCES
 from ross_payload.pointing import nearest_joint
 
 TOLD_SIGMA = math.radians(2.0)  # of an azimuth that somebody tells [rad]
@@ -28,6 +29,7 @@ LEAST_NOISE = 0.5  # [s] that tell anything about a noise
 HOMING = 120.0  # [s] that finding the zero may take
 FAULT = 2.0  # [s] that a fault may last which begins while the zero is found
 OUTSIDE = "this heading is outside the limits of the joint"
+TOO_MANY = f"{MOST_SOURCES} sources are known, none of them there: explore first"
 NO_CONSENT = "nobody is enrolled who has not agreed to it"
 STILL_FAULTY = (orders.Home,)  # may be ordered while there is a fault
 WITHOUT_TOOLS = (orders.Park, orders.Home, orders.TurnTo, orders.Point, orders.MeasureNoise)  # which use no plug-in
@@ -67,6 +69,7 @@ def refusal(context: Context, memory: Memory, task: orders.Task, *, stopped: boo
         "there is no such source": source is not None and known is not None and not 0 <= source < known.k,
         NO_CONSENT: isinstance(task, orders.Enrol) and not task.consent,
         "neither a source nor an azimuth is told": isinstance(task, orders.Enrol) and task.source is task.azimuth,
+        TOO_MANY: known is not None and known.k >= MOST_SOURCES and _adds(task, known),
         OUTSIDE: isinstance(task, orders.TurnTo) and _joint_for(context, task.heading) is None,
     }
     if why := next((reason for reason, true in impossible.items() if true), ""):
@@ -74,6 +77,12 @@ def refusal(context: Context, memory: Memory, task: orders.Task, *, stopped: boo
     if isinstance(task, orders.Enrol):
         return _unusable_model(context)
     return unreachable(task, context.here) if isinstance(task, orders.Point) else ""
+
+
+def _adds(task: orders.Task, known: Estimate) -> bool:
+    """Whether a task tells of a source that is none of those known."""
+    azimuth = task.azimuth if isinstance(task, orders.ListenAt | orders.Enrol) else None
+    return azimuth is not None and not matched([azimuth], known)
 
 
 def _unusable_model(context: Context) -> str:

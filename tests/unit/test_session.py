@@ -20,6 +20,7 @@ from ross_payload.mission.live_session import Kit
 from ross_payload.mission.tasks import Memory
 from ross_payload.orders import (
     Cancel,
+    Enrol,
     Explore,
     Home,
     Informed,
@@ -34,6 +35,7 @@ from ross_payload.orders import (
     Stop,
     TurnTo,
 )
+from ross_payload.plugin_results import MOST_SOURCES
 from session_bench import AZIMUTHS, HOP, RATE, Bench, Numbered, estimate, make, nobody
 
 
@@ -213,6 +215,27 @@ def test_a_slow_rate_from_beyond_a_limit_asks_for_no_angle_outside(bench):
         bench.hop()
     assert bench.goals
     assert max(bench.goals) <= 3.5
+
+
+@pytest.mark.parametrize(
+    "kind", [ListenAt, lambda azimuth, number: Enrol(azimuth=azimuth, consent=True, number=number)]
+)
+def test_azimuths_are_told_until_as_many_sources_are_known_as_can_be_planned_for(kind, bench):
+    """Each that is told is one more source; the bit masks of the dialect end at 32."""
+    for number in range(1, MOST_SOURCES + 1):
+        bench.hop(ListenAt(np.deg2rad(22 * number), number=number))
+        bench.over(number)
+    assert bench.session.memory.estimate.k == MOST_SOURCES
+    bench.hop(kind(np.deg2rad(11), number=50))
+    assert bench.over(50).answer is Answer.REFUSED
+    assert "16 sources are known" in bench.reason(50)
+    bench.hop(ListenAt(np.deg2rad(23), number=51))
+    assert bench.answers(51) != [Answer.REFUSED]
+    bench.over(51)
+    bench.hop(Explore(number=52))
+    bench.over(52)
+    bench.hop(ListenAt(np.deg2rad(11), number=53))
+    assert bench.over(53).answer is not Answer.REFUSED
 
 
 def test_a_heading_is_turned_to(bench):
