@@ -216,10 +216,10 @@ def _enrol(context: Context, memory: Memory, task: orders.Enrol) -> Step[Result]
 
 
 def _point(context: Context, heading: float) -> Step[Result]:
-    joint = _joint_for(context, heading)
+    yield from hop(context)
+    joint = _joint_for(context, heading)  # as the base stands now: not the opposite heading, which is the same axis
     if joint is None:
         raise TaskRefused(OUTSIDE)
-    yield from hop(context)
     context.enter(State.TURN, "heading ordered")
     yield from face(context, heading, joint, "heading ordered")
     return Result(Outcome.COMPLETED, "heading reached")

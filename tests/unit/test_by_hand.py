@@ -9,7 +9,7 @@ import pytest
 from examples import in_soak
 from hand_bench import Base, HandBench
 from ross_payload.events import Answer, Finished, State
-from ross_payload.orders import Cancel, Explore, Home, Point, Rearm, Stop
+from ross_payload.orders import Cancel, Explore, Home, Point, Rearm, Stop, TurnTo
 from ross_payload.sessions.input_log import order_of
 
 
@@ -133,6 +133,16 @@ def test_a_heading_is_held_while_the_base_turns(bench):
     one = bench(Base(yaw=deg(30), rate=deg(10)), array={"offset_deg": 15})
     one.live(12.0, one.order(0.5, Point(heading=deg(60))))
     assert [one.heading(time) for time in (4.0, 7.0, 11.0)] == pytest.approx([60] * 3, abs=1.0)
+
+
+@pytest.mark.parametrize("rate", [0.02, -0.05])
+@pytest.mark.parametrize("wanted", [170, -120])
+def test_a_heading_that_is_ordered_is_not_the_opposite_one_on_a_base_that_turns(bench, rate, wanted):
+    bench = bench(Base(0.0, rate))
+    bench.live(6.0, bench.order(1.0, TurnTo(deg(wanted), number=1)))
+    assert bench.answers(1)[-1] is Answer.DONE
+    reached = next(event.time for event in bench.events if isinstance(event, Finished))
+    assert bench.heading(reached + 0.05) == pytest.approx(wanted, abs=3)
 
 
 def test_a_heading_needs_to_know_where_the_base_points(bench):
