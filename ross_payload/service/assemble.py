@@ -44,7 +44,7 @@ def settings_of(config: Config, lower: float, upper: float) -> Settings:
         lower=lower,
         upper=upper,
         seed=config.seed,
-        park=math.radians(config.guard.park_deg),
+        park=min(max(math.radians(config.guard.park_deg), lower), upper),  # where the guard parks, too
         follow=math.radians(config.mount.follow_deg),
         track=exploit.track,
         level=config.mount.source == "fixed",

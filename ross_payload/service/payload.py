@@ -178,10 +178,10 @@ def _wait_for_report(actuator: Guard, clock: Clock) -> None:
 
 
 def maker(actuator: Guard, voiceprint: VoicePrint | None) -> Make:
-    """Return what makes the settings and tools of a task; the travel is the guarded one."""
-    travel = actuator.capabilities
+    """Return what makes the settings and tools of a task; the travel is the guarded one, told late by some devices."""
 
     def make(config: Config) -> Kit:
+        travel = actuator.capabilities
         return Kit(settings_of(config, travel.lower, travel.upper), tools_of(config, voiceprint))
 
     return make

@@ -1,6 +1,8 @@
 """From a configuration to what a mission is made of: settings, explorer, separator, planner, given azimuths."""
 
 import math
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,8 +11,10 @@ from ross_payload.alignment.paper_rules import paper_plan
 from ross_payload.alignment.plan import plan
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError, PluginError
+from ross_payload.interfaces import Capabilities, Feedback
 from ross_payload.mount import FixedMount, fixed_mount
 from ross_payload.service.assemble import explorer_of, informed_of, settings_of, tools_of
+from ross_payload.service.payload import maker
 
 CONFIG = Config.model_validate({"actuator": {"kind": "ideal"}, "array": {"offset_deg": 10}})
 
@@ -26,6 +30,21 @@ def test_settings_are_in_radians_and_seconds():
     settings = settings_of(CONFIG, -1.0, 1.0)
     assert settings.rotation == pytest.approx(math.radians(15))
     assert (settings.unit, settings.lower, settings.upper) == (3.0, -1.0, 1.0)
+
+
+@pytest.mark.parametrize(("park", "meant"), [(20, 20), (-170, -100), (170, 90)])
+def test_it_parks_within_what_the_hardware_can(park, meant):
+    config = Config.model_validate({"guard": {"park_deg": park}})
+    assert math.degrees(settings_of(config, math.radians(-100), math.radians(90)).park) == pytest.approx(meant)
+
+
+def test_limits_that_a_device_tells_late_hold_for_the_next_task():
+    wide = Capabilities(-3.0, 3.0, 1.0, 1.0, 0.01, continuous=False, feedback=Feedback.MEASURED)
+    actuator = SimpleNamespace(capabilities=wide)
+    make = maker(actuator, None)
+    assert make(Config()).settings.upper == 3.0
+    actuator.capabilities = replace(wide, upper=0.5)
+    assert make(Config()).settings.upper == 0.5
 
 
 def test_an_unknown_separator_is_named():
