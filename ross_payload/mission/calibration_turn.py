@@ -12,6 +12,7 @@ from ross_payload.events import Finished, Outcome, State
 from ross_payload.interfaces import Mission, Output, Result
 from ross_payload.mission.context import Context, Ended, FrameChanged, Step, hop, turn
 from ross_payload.mission.explore import schedule
+from ross_payload.mission.heading_control import BEARABLE
 from ross_payload.mission.heading_hold import attend, face
 from ross_payload.mission.settings import Settings, Tools
 
@@ -58,7 +59,7 @@ def _headings(context: Context, joints: Sequence[float], seconds: float, spectra
         here = context.pointing.joint + wrap(context.pointing.zero - zero)
         joint = min(todo, key=lambda joint: round(abs(joint - here), 9))
         todo.remove(joint)
-        if number > 1:
+        if number > 1 or abs(joint - here) > BEARABLE:
             context.enter(State.EXPLORE_TURN, f"calibration, heading {number} of {len(joints)}")
             yield from face(context, zero + joint, joint, f"calibration, heading {number}")
         context.enter(State.EXPLORE_LISTEN, f"calibration, heading {number} of {len(joints)}")
@@ -67,4 +68,5 @@ def _headings(context: Context, joints: Sequence[float], seconds: float, spectra
         if found is not None:
             spectra.append(found)
     context.drop_frame()
-    yield from turn(context, start, "back to where it was")
+    back = min(max(start, context.settings.lower), context.settings.upper)  # it may have stood beyond a limit
+    yield from turn(context, back, "back to where it was")

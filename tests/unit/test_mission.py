@@ -12,10 +12,13 @@ from mission_bench import (
     SETTINGS,
     Counting,
     Likes,
+    OneGroupEach,
+    Rig,
     ThreeTalkers,
     rig,
 )
 from ross_payload.alignment.paper_rules import paper_plan
+from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
     AlignmentPlanned,
     Checked,
@@ -29,6 +32,8 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
+from ross_payload.mission.calibration_turn import calibration_turn
+from ross_payload.mission.settings import Tools
 from ross_payload.orders import Cancel, Stop
 
 
@@ -116,6 +121,15 @@ def test_a_joint_that_stands_beyond_a_limit_turns_to_it_first(joint, lower, uppe
     assert [round(np.rad2deg(event.joint)) for event in one.said(OrientationHeard)] == heard
     goals = [output.goal for output in one.outputs if output.goal is not None]
     assert all(settings.lower <= goal <= settings.upper for goal in goals)
+
+
+def test_a_calibration_turns_within_the_limits_wherever_it_begins():
+    settings, stft = replace(SETTINGS, lower=np.deg2rad(-50), upper=np.deg2rad(90)), Stft(RATE, 512, 128)
+    tools = Tools(ThreeTalkers(), stft, OneGroupEach(), stft, None)
+    one = Rig(calibration_turn(settings, tools, 0.5, []), joint=np.deg2rad(120), goal=np.deg2rad(120))
+    assert one.run().outcome is Outcome.COMPLETED
+    goals = [round(np.rad2deg(output.goal)) for output in one.outputs if output.goal is not None]
+    assert goals == [90, 75, 60, 45, 30, 90]
 
 
 def test_every_goal_lies_inside_the_travel():
