@@ -122,6 +122,7 @@ class Runner:
         self._offset = config.offset
         self._rest_hops = math.ceil(REST_TIMEOUT_S * source.rate / config.hop)
         self._orders: SimpleQueue[Order] = SimpleQueue()
+        self._stopping = False  # a stop is on its way to the mission
         self._history = JointHistory()
         self._base_rate = BaseRate()
         self._asked = -math.inf  # when the last goal was given [s]: what was heard before knows nothing of it
@@ -132,6 +133,7 @@ class Runner:
     def order(self, order: Order) -> None:
         """Ask for something, from any thread or signal handler; a stop takes effect before the mission hears of it."""
         if isinstance(order, (Stop, Shutdown)):
+            self._stopping = True
             self._actuator.stop()
         elif isinstance(order, Cancel):
             self._actuator.halt()
@@ -185,6 +187,9 @@ class Runner:
         attitude, after = self._mount.attitude(block.time), self._mount.attitude(end)
         if after.known != attitude.known:  # one hop is in one frame
             after = attitude
+        orders = tuple(drained(self._orders))
+        if any(isinstance(order, (Stop, Shutdown)) for order in orders):
+            self._stopping = False
         pointing = Pointing(
             time=end,
             joint=self._joint(end, state),
@@ -200,7 +205,7 @@ class Runner:
             settled=still and self._history.settled(block.time, end),
             attitude=attitude,
             fault=self._fault or ("" if state.healthy else state.fault or "the actuator reports a fault"),
-            orders=tuple(drained(self._orders)),
+            orders=orders,
         )
         for observer in self.observers:
             observer.on_input(hop)
@@ -227,7 +232,7 @@ class Runner:
                 self._actuator.command(output.goal, output.rate)
                 self._asked = self._clock.now()  # not before: the pump may have noted a report meanwhile
         except ActuatorError as error:
-            if not (self._actuator.stopped and self._orders.qsize()):  # else the mission is about to hear of the stop
+            if not (self._actuator.stopped and self._stopping):  # else the mission is about to hear of the stop
                 self._fault = str(error)
 
     def _rest(self) -> None:

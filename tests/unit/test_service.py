@@ -237,6 +237,41 @@ def test_a_goal_that_meets_a_stop_is_no_fault(bench):
     assert far_end.angle() == 0.0
 
 
+class SlowBrakes:
+    """What is between the stop and the queue, as brakes that take their time would be."""
+
+    def __init__(self):
+        self.pressed, self.goes_on = threading.Event(), threading.Event()
+
+    def ordered(self, order):
+        self.pressed.set()
+        assert self.goes_on.wait(10)
+
+
+def test_a_goal_that_meets_a_stop_which_is_not_queued_yet_is_no_fault(bench):
+    brakes = SlowBrakes()
+
+    def chooses_late(goal):
+        yield Output()
+        operator = threading.Thread(target=runner.order, args=(Stop(),))
+        operator.start()
+        assert brakes.pressed.wait(10)
+        heard = yield Output(goal=goal)
+        assert (heard.orders, heard.fault) == ((), "")
+        brakes.goes_on.set()
+        operator.join()
+        heard = yield Output()
+        assert (heard.orders, heard.fault) == ((Stop(),), "")
+        heard = yield Output(goal=goal)  # a mission that takes no notice
+        yield Output(stop=True)
+        return Result(Outcome.FAULT if heard.fault else Outcome.STOPPED, heard.fault)
+
+    runner, _, far_end = bench(chooses_late(1.0))
+    runner._latch = brakes
+    assert runner.run().reason == "stopped: re-arm first"
+    assert far_end.angle() == 0.0
+
+
 def slips(angle):
     heard = yield Output()
     heard = yield Output(slipped=angle)
