@@ -6,13 +6,14 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from clocks import StallingClock
 from examples import in_soak
 from ross_payload import plugins
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import checked_options, open_actuator
 from ross_payload.config import Config
 from ross_payload.interfaces import ActuatorState, Clock, Port, Services
-from ross_sim.clock import QUANTUM, SimClock
+from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import FarEnd
 
 # Back ends, with their role where they have several.
@@ -165,7 +166,7 @@ def rig_of(kind: str, **guard: Any) -> Rig:
     kind, _, role = kind.partition(":")
     options = options_of(kind, role)
     config = Config.model_validate({"actuator": {"kind": kind, "options": options}, "guard": guard})
-    clock = SimClock()
+    clock = StallingClock()
     plugin = plugins.load("ross_sim.far_ends", kind)
     far_end: FarEnd = plugin.make(checked_options(config))
     clock.before_calls(far_end.advance)

@@ -241,6 +241,21 @@ def test_a_report_from_before_a_pause_and_one_after_it_are_no_jump(beyond_deg, d
     assert ("it jumps by" in bench.fault) is doubted
 
 
+@pytest.mark.parametrize("silent", [False, True])
+def test_a_pause_of_the_whole_computer_is_no_silence_of_the_drive(silent):
+    bench = Bench().open()
+    bench.go(90, 0.4)
+    bench.cancel()
+    bench.clock.sleep(0.36)
+    bench.wire.receive()  # what was not sent
+    bench.actuator.poll(bench.clock.now())
+    assert not bench.fault
+    bench.far_end.afflict(Fault.SILENT, on=silent)
+    bench.clock.every(QUANTUM, lambda: bench.actuator.poll(bench.clock.now()))
+    bench.clock.sleep(0.4)
+    assert bool(bench.fault) is silent
+
+
 def test_a_goal_right_after_homing_is_not_forgotten():
     bench = Bench().open()
     bench.actuator.home()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ross_payload.actuators.canopen_drive import drive_setup
 from ross_payload.actuators.canopen_drive.options import Options
-from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S
+from ross_payload.actuators.driver_shell import HELD_UP_S, TIME_TOLERANCE_S
 from ross_payload.interfaces import Port
 from ross_protocols.can import CanFrame
 from ross_protocols.canopen import cia402, frames
@@ -28,7 +28,7 @@ class DriveReport:
     position: int = 0  # [counts]
     mode: int = 0
     time: float = -math.inf  # when it was read [s]
-    since: float = -math.inf  # when the bus was read before: it came later [s]
+    since: float = -math.inf  # it was sent later [s]
 
 
 class DriveClient:
@@ -54,6 +54,7 @@ class DriveClient:
         self._started = math.inf  # [s]
         port.receive()  # what was said before we came is not for us
         self._read_at = now  # the bus [s]
+        self._paused_at = self._resumed_at = self._caught_up_at = -math.inf  # of the last pause of this program [s]
         self.heard_at = -math.inf  # any word of the drive [s]
         self.running = False  # the drive is set up and has been started
         self.report = DriveReport()
@@ -70,6 +71,7 @@ class DriveClient:
 
     def read(self, now: float) -> None:
         """Read the bus."""
+        self._look_for_pause(now)
         for frame in self._port.receive():
             if not frame.extended:
                 self._on_frame(frame, now)
@@ -77,7 +79,7 @@ class DriveClient:
         if self._booted is not None and now >= self._booted + BOOT_UP_WINDOW_S - TIME_TOLERANCE_S:
             self._booted, self.running, self._started = None, False, math.inf
             self._set_event(f"the drive at node {self._node} has restarted")
-        if self.running and now > self.heard_at + SILENCE_TIMEOUT_S:
+        if self.running and now > max(self.heard_at, self._resumed_at) + SILENCE_TIMEOUT_S:
             self._set_event(f"node {self._node} has sent nothing for {now - self.heard_at:.2f} s{self._crowded(now)}")
 
     @property
@@ -128,6 +130,19 @@ class DriveClient:
 
     def _send(self, base: int, data: bytes) -> None:
         self._port.send(CanFrame(base + self._node, data, extended=False))
+
+    def _look_for_pause(self, now: float) -> None:
+        """Take in that nobody has read for a while: in a pause of the whole computer nothing arrived either.
+
+        What was to be sent meanwhile may come now, and a drive in another process of it makes up for the time.
+        """
+        pause = now - self._read_at
+        if pause > HELD_UP_S:
+            self._paused_at, self._resumed_at, self._caught_up_at = self._read_at, now, now + pause
+
+    def _sent_since(self, now: float) -> float:
+        """Return after when what is read now was sent [s]."""
+        return self._paused_at if now <= self._caught_up_at else self._read_at
 
     def _set_event(self, event: str) -> None:
         self.event = self.event or event
@@ -180,7 +195,7 @@ class DriveClient:
             self._set_event(f"two devices have node id {self._node}: one has just booted, the other kept running")
         else:
             status, position, mode = values
-            self.report = DriveReport(status, position, mode, now, self._read_at)
+            self.report = DriveReport(status, position, mode, now, self._sent_since(now))
 
     def _on_velocity(self, data: bytes) -> None:
         values = frames.unpacked(drive_setup.TPDO2_ITEMS, data)

@@ -6,6 +6,7 @@ import logging
 import math
 from collections.abc import Generator
 
+from ross_payload.actuators.driver_shell import HELD_UP_S
 from ross_payload.actuators.grbl.line_protocol import LineProtocol
 from ross_payload.actuators.grbl.options import Options, complaint, slower
 from ross_payload.actuators.grbl.position_tracker import PositionTracker
@@ -38,6 +39,7 @@ class GrblClient:
         self._options = options
         self._port = port
         self._now = now
+        self._pause, self._caught_up_at = 0.0, -math.inf  # the last one of this program; when it is made up for [s]
         self._line = LineProtocol(port)
         self._settings: dict[int, float] = {}
         self._version = ""
@@ -65,6 +67,8 @@ class GrblClient:
 
     def read(self, now: float) -> str:
         """Take in what grbl says; return what is wrong, empty when all is well."""
+        if now - self._now > HELD_UP_S:  # if it was the whole computer's, a simulated grbl on it makes up for the time
+            self._pause, self._caught_up_at = now - self._now, 2 * now - self._now
         self._now = now
         found = [self._on_message(message) for message in self._line.read(now)]
         trouble = next(filter(None, found), "")
@@ -216,8 +220,8 @@ class GrblClient:
 
     def _on_report(self, report: protocol.Report) -> str:
         fastest = protocol.rate(self._settings.get(protocol.MAX_RATE + self._options.index, math.inf))
-        before = self._line.time
-        if self.identified and not self.tracker.possible(report, self._now - before, fastest):
+        elapsed = self._now - self._line.time + (self._pause if self._now <= self._caught_up_at else 0.0)
+        if self.identified and not self.tracker.possible(report, elapsed, fastest):
             self._line.on_damage(self._now, "a position out of reach")
             return ""
         strange = self.tracker.on_report(report, self._line.on_report(report))

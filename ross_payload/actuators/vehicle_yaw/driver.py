@@ -101,6 +101,7 @@ class VehicleYaw(Driver):
 
     def read(self, now: float) -> None:
         """Take in what has arrived."""
+        self._watch.on_read(now)
         for received in self._port.receive():
             self._on_packet(received, now)
         if self._watch.mode != self._watch.wanted_mode:

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+from ross_payload.actuators.driver_shell import HELD_UP_S
 from ross_payload.actuators.vehicle_yaw.options import Options
 from ross_protocols.mavlink import vehicle, vehicle_control
 from ross_protocols.mavlink.codec import Packet
@@ -32,6 +33,7 @@ from ross_protocols.mavlink.vehicle_control import (
     RC_CHANNELS,
 )  # fmt: skip
 
+MAX_PAUSE_S = 0.45  # [s]; after a longer one nobody knows what the pilot has done meanwhile
 ASK_PERIOD_S = 1.0  # between two looks whether messages flow
 ENOUGH = 0.6  # of the rate that was asked for: it is not asked for again
 STICK_STALE_S = 0.3  # a stick that is told more seldom proves nothing
@@ -70,6 +72,7 @@ class FlightWatch:
     _stick_times: tuple[float, float] = (-math.inf, -math.inf)  # of the last two reports of the stick [s]
     _counts: dict[int, int] = field(default_factory=dict)  # messages since the last look
     _looked: float = -math.inf  # [s]
+    _read_at: float = -math.inf  # when what arrives was read last [s]
 
     @property
     def wanted_mode(self) -> int:
@@ -109,6 +112,15 @@ class FlightWatch:
         position = vehicle.position_of(message)
         if position is not None:
             self._position = now, position
+
+    def on_read(self, now: float) -> None:
+        """Call nothing late that could not arrive while nobody read: in a pause of the whole computer."""
+        pause, self._read_at = now - self._read_at, now
+        if HELD_UP_S < pause <= MAX_PAUSE_S:
+            before, last = self._mode_times
+            self._mode_times = before + pause, last + pause
+            before, last = self._stick_times
+            self._stick_times = before + pause, last + pause
 
     def position_at(self, now: float) -> Position | None:
         """Return where on earth the vehicle is; None: that was not told lately."""
