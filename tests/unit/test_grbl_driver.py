@@ -160,6 +160,18 @@ def test_release_takes_the_torque_away_and_homing_gives_it_back():
     bench.go(0.2)
 
 
+def test_a_second_release_is_no_fault():
+    """Asleep grbl answers no line."""
+    bench = Bench().open()
+    bench.actuator.release()
+    bench.clock.sleep(1.0)
+    assert bench.firmware.state is State.SLEEP
+    bench.actuator.release()
+    bench.clock.sleep(2.0)
+    assert not bench.state.fault
+    bench.homed().go(0.2)
+
+
 def test_an_answer_that_is_lost_does_not_stop_a_stop():
     bench = Bench().open()
     bench.actuator.command(math.pi)

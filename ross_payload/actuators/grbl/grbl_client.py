@@ -181,8 +181,9 @@ class GrblClient:
         yield from self._fresh_report()
 
     def sleep(self) -> Script:
-        """Take the torque away; only a reset wakes grbl."""
-        yield from self._send_line(b"$SLP\n")
+        """Take the torque away; only a reset wakes grbl, which answers no line until then."""
+        if self.doing is not protocol.State.SLEEP:
+            yield from self._send_line(b"$SLP\n")
 
     def reset(self) -> Script:
         """Reset grbl: wakes it, ends its homing, a hold, a program."""
