@@ -5,6 +5,7 @@ import random
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from can_servo_bench import Rig
@@ -117,6 +118,20 @@ class TestWithoutPosition:
         rig.go(60, 3.0)
         assert rig.state.settled
         assert rig.true_deg == pytest.approx(60, abs=0.25)
+
+    def test_homing_from_a_known_place_is_a_move_as_any_other(self):
+        rig = self.rig()
+        rig.actuator.home()
+        rig.clock.sleep(3.0)
+        rig.go(150, 4.0)
+        rig.actuator.home()
+        angles = []
+        while not (rig.state.homed and rig.state.settled):
+            rig.clock.sleep(0.1)
+            angles.append(rig.true_deg)
+        speeds = np.diff(angles) / 0.1
+        assert np.abs(np.diff(speeds)).max() / 0.1 < 1.5 * 112.5
+        assert rig.true_deg == pytest.approx(0, abs=0.25)
 
     def test_released_it_is_not_known_any_more(self):
         rig = self.rig()

@@ -5,7 +5,7 @@ a gimbal for as long as a goal is held. Nothing but positions is ever sent, so a
 stops at the last one.
 
 Only the servo's own reports make it settled. A servo whose Status has no position is driven by a model: its place is
-known after `home` has sent it to joint angle 0.
+known after `home` has sent it to joint angle 0: as fast as the servo itself can, from where nobody knows.
 """
 
 from __future__ import annotations
@@ -149,9 +149,12 @@ class DronecanServo(Driver):
         self._fault, self._homed = "", False
         motion = self._plan.motion
         if not self._measured:
-            self._plan.hold(0.0, now)
-            travel = self.capabilities.upper - self.capabilities.lower
-            self._home_until = now + travel / self.capabilities.max_speed
+            able = self.capabilities
+            if motion is None:
+                self._plan.hold(0.0, now)
+            else:  # from the last set-point, where it is held
+                self._plan.turn(Move(0.0, able.max_speed), *motion.at(now), now)
+            self._home_until = now + (able.upper - able.lower) / able.max_speed
         elif motion is not None and self._reports:
             if math.isnan(self._reports[-1].joint):
                 self._let_go()
@@ -172,9 +175,9 @@ class DronecanServo(Driver):
     def snapshot(self, now: float) -> ActuatorState:
         """Return the state at ``now`` [s]; a model's is the plan."""
         client = self._client
-        if now >= self._home_until:
-            self._homed, self._home_until = True, math.inf
         motion = self._plan.motion
+        if now >= self._home_until and (motion is None or now >= motion.end):
+            self._homed, self._home_until = True, math.inf
         wanted, rate = motion.at(now) if motion is not None else (self._angle, 0.0)
         known = bool(self._reports) and math.isfinite(self._reports[-1].joint)
         angle = self._reports[-1].joint if known else self._angle if self._measured else wanted
