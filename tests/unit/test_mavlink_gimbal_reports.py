@@ -9,6 +9,7 @@ from rigs import rig_of
 from ross_payload.actuators.mavlink_gimbal.diagnostics import contradiction, silence
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
 from ross_payload.actuators.mavlink_gimbal.sender_clock import SenderClock, Verdict
+from ross_payload.errors import ActuatorFault
 from ross_protocols.mavlink.gimbal_messages import GimbalAttitude
 from ross_sim.devices.far_end import Fault
 
@@ -91,6 +92,23 @@ def test_clocks_that_drift_apart_make_no_report_late(feedback):
     for n in range(20_000):
         on_report(feedback, 10.0 + n * PERIOD * (1 - 100e-6), 0.0, n * PERIOD)
     assert feedback.time == pytest.approx(20_000 * PERIOD, abs=0.05)
+
+
+@pytest.mark.parametrize("kind", ["mavlink_gimbal", "mavlink_gimbal:manager", "vehicle_yaw"])
+def test_a_clock_that_has_stood_still_is_believed_again_after_homing(kind):
+    """As that of ArduPilot's simulator, which never makes up for a time in which its computer stood still."""
+    rig = rig_of(kind).open()
+    rig.clock.PORTION = 0
+    rig.actuator.command(0.5)
+    rig.clock.stand_still(0.8)
+    rig.clock.sleep(3.0)
+    with pytest.raises(ActuatorFault, match=r"0\.8 s late: the link is overloaded"):
+        rig.actuator.rearm()
+    rig.home()
+    rig.actuator.rearm()
+    rig.actuator.command(0.9)
+    rig.settle(within=4.0)
+    assert rig.far_end.angle() == pytest.approx(0.9, abs=rig.tolerance)
 
 
 def test_a_trembling_sensor_is_told_and_a_single_jump_is_not(feedback):

@@ -93,6 +93,7 @@ class MavlinkGimbal(Driver):
         if request is Request.HOME:
             self._fault = ""
             self._feedback.clear_doubts()
+            self._feedback.trust_clock()
             self._feedback.trust_turn()
             if self._peer is not None:
                 self._peer.claim_control(now)

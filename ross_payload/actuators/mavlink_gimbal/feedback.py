@@ -99,6 +99,10 @@ class GimbalFeedback:
         """Believe that it has not turned round unseen, as somebody says."""
         self.unseen = False
 
+    def trust_clock(self) -> None:
+        """Believe that the next report is not late, as somebody says."""
+        self._clock.forget_lateness()
+
     def clear_doubts(self) -> None:
         """Forget what contradicted."""
         self.restarted = self.duplicated = False

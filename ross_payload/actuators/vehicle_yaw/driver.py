@@ -119,6 +119,7 @@ class VehicleYaw(Driver):
         if request is Request.HOME:
             self._fault = ""
             self._feedback.clear_doubts()
+            self._feedback.trust_clock()
         if isinstance(request, Move) or request is Request.TAKE_CONTROL:
             self._held_at = self._held_at if self._held else now
             self._held = True
