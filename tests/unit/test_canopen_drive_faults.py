@@ -256,6 +256,18 @@ def test_a_pause_of_the_whole_computer_is_no_silence_of_the_drive(silent):
     assert bool(bench.fault) is silent
 
 
+def test_a_heartbeat_from_before_the_start_that_is_read_late_is_no_fault():
+    bench = Bench()
+    bench.actuator.__enter__()
+    while nmt(NmtCommand.START, NODE).data not in bench.frames(0):
+        bench.clock.sleep(QUANTUM)
+    bench.cancel()
+    bench.clock.sleep(0.4)
+    bench.wire.brought = [heartbeat(NODE, NmtState.PRE_OPERATIONAL), *bench.wire.receive()]
+    bench.actuator.poll(bench.clock.now())
+    assert not bench.fault
+
+
 def test_a_goal_right_after_homing_is_not_forgotten():
     bench = Bench().open()
     bench.actuator.home()

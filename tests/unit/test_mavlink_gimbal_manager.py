@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from examples import examples, in_soak
+from rigs import rig_of
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault
@@ -255,6 +256,16 @@ def test_a_manager_that_never_names_us_in_control_is_a_fault_after_two_seconds_a
     assert "component 1 of system 1, does not grant control" in rig.fault
     rig.clock.sleep(1.0)
     assert far_end.angle() == 0.0
+
+
+def test_a_manager_that_nobody_has_read_for_4_s_is_not_one_that_has_restarted():
+    """What it has said meanwhile waits to be read."""
+    rig = rig_of("mavlink_gimbal").open()
+    rig.actuator.command(2.0)
+    rig.clock.sleep(0.8)
+    rig.pause(4.0)
+    rig.settle(within=4.0)
+    assert rig.far_end.angle() == pytest.approx(2.0, abs=rig.tolerance)
 
 
 def test_without_a_gimbal_every_acknowledgement_is_worth_nothing():

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from gimbal_rig import CONFIGURE, FREE, PAYLOAD, SET_POINT, Bench, after_a_task
+from ross_payload.errors import ActuatorFault
 from ross_sim.clock import QUANTUM
 
 
@@ -56,8 +57,27 @@ def test_control_that_was_taken_to_home_is_given_back(released):
     assert released.primary == FREE
 
 
-def test_control_is_given_back_after_a_fault_of_a_payload_that_was_held_up():
+def test_control_is_given_back_after_an_outage_that_seems_to_be_a_restart():
     """The autopilot seems to have restarted, and has not: it still says that we are in control."""
+    rig = Bench()
+    rig.actuator.command(0.3)
+    rig.settle()
+    port = rig.far_end.port
+    receive = port.receive
+    port.receive = lambda: receive()[:0]
+    rig.clock.sleep(4.0)
+    port.receive = receive
+    rig.clock.sleep(0.5)
+    with pytest.raises(ActuatorFault, match="has restarted: control is lost"):
+        rig.actuator.rearm()
+    assert rig.primary == PAYLOAD
+    rig.actuator.release_control()
+    rig.clock.sleep(2.0)
+    assert rig.primary == FREE
+
+
+def test_control_is_kept_and_given_back_by_a_payload_that_was_held_up():
+    """What the autopilot has said meanwhile waits to be read."""
     rig = Bench()
     rig.actuator.command(0.3)
     rig.settle()
@@ -65,7 +85,7 @@ def test_control_is_given_back_after_a_fault_of_a_payload_that_was_held_up():
     rig.clock.sleep(4.0)
     rig.clock.every(QUANTUM, lambda: rig.actuator.poll(rig.clock.now()))
     rig.clock.sleep(0.5)
-    assert "has restarted: control is lost" in rig.state.fault
+    assert rig.state.healthy
     assert rig.primary == PAYLOAD
     rig.actuator.release_control()
     rig.clock.sleep(2.0)

@@ -222,7 +222,7 @@ class DriveClient:
             self.restarted, self._booted = True, now if self.running else None
         elif (
             self._booted is None
-            and now > self._started + SILENCE_TIMEOUT_S
+            and self._sent_since(now) > self._started + SILENCE_TIMEOUT_S
             and state is not frames.NmtState.OPERATIONAL
         ):
             self.restarted = True

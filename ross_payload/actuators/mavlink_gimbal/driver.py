@@ -81,6 +81,8 @@ class MavlinkGimbal(Driver):
         """Take in what has arrived."""
         for received in self._port.receive():
             self._on_packet(received, now)
+        if isinstance(self._peer, GimbalManagerClient):
+            self._peer.read_at = now
         self._plan.forget_late_brake(now)
         seen = self._feedback
         fresh = now - seen.time <= diagnostics.STALE_REPORT_S

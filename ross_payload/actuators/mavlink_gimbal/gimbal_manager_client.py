@@ -82,6 +82,7 @@ class GimbalManagerClient:
     identity_queries: int = 0  # times, who the gimbal is
     identity: str = ""  # of the gimbal, as it tells
     heard_at: float = -math.inf  # when the manager was heard last [s]
+    read_at: float = -math.inf  # when somebody has read last what arrives [s]
     queries: QueryTimer = field(default_factory=QueryTimer)
     clock: SenderClock = field(default_factory=SenderClock)  # the manager's
 
@@ -127,8 +128,8 @@ class GimbalManagerClient:
         self.device = ComponentId(self.manager.system, component)
 
     def _has_restarted(self, packet: Packet, now: float) -> bool:
-        """Tell by the manager's clock whether it has booted; after a long silence it may have."""
-        silent = now - self.heard_at > MANAGER_SILENCE_S
+        """Tell by the manager's clock whether it has booted; after a long silence that was listened to it may have."""
+        silent = self.read_at - self.heard_at > MANAGER_SILENCE_S
         clocked = packet.name in CLOCKED
         return (clocked and self.clock.judge(packet.message.time_boot_ms / 1e3, now) is Verdict.RESTARTED) or silent
 
