@@ -127,6 +127,27 @@ def test_a_gimbal_is_turned_beyond_half_a_turn_and_back():
         assert math.degrees(rig.state.angle) == pytest.approx(goal, abs=0.25)
 
 
+def test_a_gimbal_that_is_opened_again_beyond_half_a_turn_is_where_it_was():
+    """Else it would go on in the same direction, beyond its limits."""
+    rig = Rig(**GIMBAL)
+    rig.go(195, 6.0)
+    rig.actuator.__exit__(None, None, None)
+    rig.clock.sleep(1.0)
+    rig.actuator.__enter__()
+    rig.clock.sleep(0.2)
+    assert math.degrees(rig.state.angle) == pytest.approx(195, abs=0.25)
+    rig.go(50, 4.0)
+    assert rig.true_deg == pytest.approx(50, abs=0.25)
+
+
+def test_a_gimbal_that_once_reports_no_attitude_is_on_the_same_turn_afterwards():
+    rig = Rig(**GIMBAL)
+    rig.go(195, 6.0)
+    rig.say(SERVO, GimbalStatus(0, math.nan))
+    rig.clock.sleep(0.1)
+    assert math.degrees(rig.state.angle) == pytest.approx(195, abs=0.25)
+
+
 def test_a_gimbal_that_hangs_upside_down_turns_the_other_way():
     rig = Rig(gear_ratio=-1, zero_position_deg=30, **GIMBAL)
     rig.go(40, 3.0)

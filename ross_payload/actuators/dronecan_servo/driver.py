@@ -50,7 +50,7 @@ class DronecanServo(Driver):
 
     def open(self, port: Port, now: float) -> None:
         """Join the bus and listen."""
-        self._client = ServoClient(self._options, port, now)
+        self._client = ServoClient(self._options, port, now, self._angle)
         self._reports.clear()
 
     def read(self, now: float) -> None:

@@ -73,9 +73,11 @@ class ServoClient:
         The bus.
     now : float
         When it starts [s].
+    joint : float
+        Where it was last [rad]: a gimbal counts no turns.
     """
 
-    def __init__(self, options: Options, port: Port, now: float) -> None:
+    def __init__(self, options: Options, port: Port, now: float, joint: float = 0.0) -> None:
         self._options = options
         self._port = port
         self._shared_port = SharedPort(port)
@@ -84,6 +86,7 @@ class ServoClient:
         self._traffic = BusTraffic()
         self._duplicates: defaultdict[type[messages.Message], DuplicateIdDetector] = defaultdict(DuplicateIdDetector)
         self._start = now
+        self._last_joint = joint  # the last that was reported [rad]
         self._uptime: int | None = None  # of the servo [s]
         self._alive = -math.inf  # its last NodeStatus [s]
         self._last_log = ""
@@ -205,8 +208,10 @@ class ServoClient:
         """Return the joint angle of a report [rad]; a gimbal counts no turns, so the nearest one is meant."""
         if isinstance(report, messages.Status):
             return self._options.joint_at(report.position) if math.isfinite(report.position) else math.nan
-        before = 0.0 if math.isnan(self.report.joint) else self.report.joint
-        return before + wrap(self._options.joint_at(report.yaw) - before)
+        if not math.isfinite(report.yaw):
+            return math.nan
+        self._last_joint += wrap(self._options.joint_at(report.yaw) - self._last_joint)
+        return self._last_joint
 
     def _on_node_status(self, status: messages.NodeStatus) -> None:
         if self._uptime is not None and status.uptime < self._uptime:
