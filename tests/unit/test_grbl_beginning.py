@@ -127,6 +127,23 @@ def test_a_jog_that_a_dead_program_left_behind_ends_when_we_open():
     assert bench.state.angle == 0.0  # declared: it stands at its zero when opened
 
 
+def test_a_jog_of_which_only_the_end_of_the_line_is_missing_does_not_begin():
+    bench = Bench()
+    bench.firmware.on_bytes(b"$J=G90G21G53X60.0000F13500.0")
+    bench.open(2.0)
+    assert bench.end.angle() == 0.0
+    assert bench.state.healthy
+    bench.go(0.2)
+
+
+def test_a_jog_whose_end_of_the_line_was_lost_is_forgotten_by_homing():
+    bench = Bench().open()
+    bench.firmware.on_bytes(b"$J=G90G21G53X60.0000F13500.0")
+    bench.homed()
+    assert bench.end.angle() == 0.0
+    bench.go(0.2)
+
+
 def test_half_a_line_that_somebody_left_does_not_hurt():
     bench = Bench()
     bench.end.port.send(b"G1 X5")

@@ -155,8 +155,7 @@ class Grbl(Driver):
         yield from client.come_to_rest()
         if client.doing not in (State.IDLE, State.ALARM):
             yield from client.reset()
-        if not client.identified:
-            yield from client.identify()
+        yield from client.void() if client.identified else client.identify()
         at = 0.0
         if self._options.zero == "switch":
             yield from client.find_switch()

@@ -18,7 +18,9 @@ Script = Generator[None, None, None]
 log = logging.getLogger(__name__)
 START_TIMEOUT_S = 5.0  # with a board that starts [s]
 ANSWER_TIMEOUT_S = 1.0  # grbl answers a line within [s]
+STRAY_ANSWER_S = 0.2  # within which that to a line comes which was told before it started [s]
 CANCEL_PERIOD_S = 0.020  # between two bytes that cancel [s]
+VOID = b"$\n"  # asks for help; at the end of what somebody left half said, such as a jog, it makes that no command
 GOAL_TOLERANCE_STEPS = 1  # step by which rounding may miss a goal
 
 
@@ -120,8 +122,11 @@ class GrblClient:
         while starts != self._starts:  # once more when it has started meanwhile
             starts, self._version = self._starts, ""
             self._settings.clear()
-            for line in (b"\n", b"$I\n", b"$$\n"):  # the first ends what somebody left half said
-                yield from self._send_line(line, refused=line == b"\n")
+            for line in (VOID, b"$I\n", b"$$\n"):
+                yield from self._send_line(line, refused=line == VOID)
+                if starts != self._starts:
+                    yield from self._wait_for_strays()
+                    break
         if not self._version.startswith("1.1"):
             raise ActuatorFault(f"expected grbl 1.1, got {self._version or 'an unknown version'}")
         wrong = complaint(self._settings, self._options)
@@ -132,6 +137,10 @@ class GrblClient:
             log.warning("%s", note)
         yield from self._fresh_report()
         self._starting, self.identified, self.position_known = False, True, True
+
+    def void(self) -> Script:
+        """End what somebody left half said, or was lost on its way, so that it is refused."""
+        yield from self._send_line(VOID, refused=True)
 
     def come_to_rest(self) -> Script:
         """Cancel what moves until grbl says that it is at rest; a reset ends homing, an answer may have been lost."""
@@ -244,6 +253,12 @@ class GrblClient:
         answer = self._line.answer
         if isinstance(answer, protocol.Error) and not refused:
             raise ActuatorFault(f"grbl refuses '{line.decode().strip()}': {answer.words}")
+
+    def _wait_for_strays(self) -> Script:
+        """Let the answer pass by that grbl may give to what it was told while it started."""
+        until = self._now + STRAY_ANSWER_S
+        while self._now < until:
+            yield
 
     def _fresh_report(self) -> Script:
         """Wait for a report that is asked for from here on."""
