@@ -61,6 +61,24 @@ def test_two_drives_with_one_id_are_told_when_they_are_opened():
     assert bench.fault == "two devices have node id 5: both answer"
 
 
+def test_one_answer_that_can_delivers_twice_is_no_second_drive():
+    """As when the sender alone sees an error in the last bit of the frame."""
+    bench, answers = Bench(), []
+    receive = bench.wire.receive
+
+    def receive_one_twice():
+        arrived = receive()
+        answered = [frame for frame in arrived if frame.id == 0x580 + NODE]
+        answers.extend(answered)
+        return arrived + answered * (len(answers) == 9)
+
+    bench.wire.receive = receive_one_twice
+    bench.open()
+    assert len(answers) > 9
+    bench.go(30, 3.0)
+    assert bench.state.settled
+
+
 def test_a_heartbeat_that_crosses_the_order_to_start_is_of_the_past():
     bench = Bench()
     bench.actuator.__enter__()

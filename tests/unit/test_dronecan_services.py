@@ -103,6 +103,16 @@ def test_the_tail_tells_the_transfer_and_an_old_one_never_completes_a_new_one():
     assert [reassembler.feed(frame, 1) for frame in [*one[:-1], *two]][-1].transfer == 4
 
 
+@pytest.mark.parametrize("size", [3, 20])
+def test_frames_that_can_delivers_twice_are_one_transfer(size):
+    """As when the sender alone sees an error in the last bit of a frame."""
+    reassembler = Reassembler()
+    frames = [frame for n in range(3) for frame in split(0x107, bytes(size), 1, n) for _ in range(2)]
+    transfers = [transfer for frame in frames if (transfer := reassembler.feed(frame, 1)) is not None]
+    assert [transfer.transfer for transfer in transfers] == [0, 1, 2]
+    assert not reassembler.broken.total()
+
+
 def test_every_flipped_bit_of_a_long_transfer_is_noticed():
     frames = split(7, bytes(range(30)), 0x1234, 3)
     for n, frame in enumerate(frames):

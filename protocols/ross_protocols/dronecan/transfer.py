@@ -79,15 +79,19 @@ class Transfer:
 
 
 class Reassembler:
-    """Reassembles transfers from frames; drops and counts broken ones. The caller knows which types there are."""
+    """Reassembles transfers from frames; drops and counts broken ones. The caller knows which types there are.
+
+    CAN delivers a frame twice when its sender alone sees an error in the last bit: the second one is dropped, too.
+    """
 
     def __init__(self) -> None:
         self.broken: Counter[int] = Counter()  # transfers that came damaged or in part, by source
         self._partial: dict[int, tuple[int, bytes]] = {}  # by identifier: the tail wanted next, the data so far
+        self._last: dict[int, bytes] = {}  # by identifier: the last frame
 
     def feed(self, frame: CanFrame, seed: int) -> Transfer | None:
         """Return the transfer that this frame completes; ``seed`` is that of its type."""
-        if not frame.data:
+        if not frame.data or self._repeats(frame):
             return None
         data, tail, source = frame.data[:-1], frame.data[-1], frame.id & 0x7F
         wanted, before = self._partial.pop(frame.id, (NOTHING, b""))
@@ -106,6 +110,16 @@ class Reassembler:
         else:
             self.broken[source] += 1
         return None
+
+    def _repeats(self, frame: CanFrame) -> bool:
+        """Whether a frame, with its count of transfers, is the last one again; anonymous ones need not count."""
+        if not frame.id & 0x7F:
+            return False
+        last = self._last.pop(frame.id, b"")
+        self._last[frame.id] = frame.data
+        if len(self._last) > MOST_PARTIAL:
+            del self._last[next(iter(self._last))]
+        return last == frame.data
 
     def _begin(self, identifier: int, tail: int, whole: bytes) -> None:
         self._partial[identifier] = tail, whole

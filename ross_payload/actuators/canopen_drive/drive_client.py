@@ -50,6 +50,7 @@ class DriveClient:
         self._next_heartbeat = now
         self._crowd = 0  # frames of others since the drive was heard
         self._owed = 0  # answers that are due to us or to somebody else's reads
+        self._answered: bytes | None = b""  # the last answer; None: one has come twice
         self._booted: float | None = None
         self._started = math.inf  # [s]
         port.receive()  # what was said before we came is not for us
@@ -101,6 +102,7 @@ class DriveClient:
     def enter_pre_operational(self) -> None:
         """Let the drive talk and be set up, but send and obey no process data."""
         self.running, self.restarted, self._started = False, False, math.inf
+        self._answered = b""
         self._port.send(frames.nmt(frames.NmtCommand.PRE_OPERATIONAL, self._node))
 
     def start(self, now: float) -> None:
@@ -206,12 +208,15 @@ class DriveClient:
 
     def _on_sdo_answer(self, data: bytes) -> None:
         answer = reply_of(data)
-        if self._owed == 0:
+        if self._owed == 0 and data == self._answered:
+            self._answered = None  # CAN may deliver a frame twice, but not every one
+        elif self._owed == 0:
             self._set_event(f"two devices have node id {self._node}: both answer")
         elif answer is None:
             self._damaged(f"an invalid SDO response: {data.hex()}")
         else:
             self._owed -= 1
+            self._answered = data if self._answered is not None else None
             self.answers.append(answer)
 
     def _on_nmt_state(self, data: bytes, now: float) -> None:
