@@ -256,6 +256,22 @@ def test_a_pause_of_the_whole_computer_is_no_silence_of_the_drive(silent):
     assert bool(bench.fault) is silent
 
 
+def test_a_drive_that_restarted_while_nothing_was_heard_of_it_is_set_up_by_homing():
+    bench = Bench().open()
+    bench.far_end.afflict(Fault.SILENT)
+    bench.drive.boot()
+    bench.clock.sleep(0.2)
+    bench.far_end.afflict(Fault.SILENT, on=False)
+    bench.clock.sleep(1.0)
+    assert "node 5 has sent nothing" in bench.fault
+    bench.actuator.home()
+    bench.clock.sleep(OPENING)
+    bench.actuator.rearm()
+    bench.go(30, 3.0)
+    assert bench.state.settled
+    assert bench.true_deg == pytest.approx(30, abs=0.2)
+
+
 def test_a_heartbeat_from_before_the_start_that_is_read_late_is_no_fault():
     bench = Bench()
     bench.actuator.__enter__()

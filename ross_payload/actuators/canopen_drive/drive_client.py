@@ -80,8 +80,12 @@ class DriveClient:
         if self._booted is not None and now >= self._booted + BOOT_UP_WINDOW_S - TIME_TOLERANCE_S:
             self._booted, self.running, self._started = None, False, math.inf
             self._set_event(f"the drive at node {self._node} has restarted")
-        if self.running and now > max(self.heard_at, self._resumed_at) + SILENCE_TIMEOUT_S:
+        if self.running and self.is_silent(now):
             self._set_event(f"node {self._node} has sent nothing for {now - self.heard_at:.2f} s{self._crowded(now)}")
+
+    def is_silent(self, now: float) -> bool:
+        """Whether nothing was heard of the drive for long."""
+        return now > max(self.heard_at, self._resumed_at) + SILENCE_TIMEOUT_S
 
     @property
     def awaits_answer(self) -> bool:

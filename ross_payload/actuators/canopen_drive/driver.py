@@ -89,8 +89,8 @@ class CanopenDrive(Driver):
             self._positions.clear()
             if self._controller.mode is Mode.HOMING:  # one that was broken off
                 self._controller.end(State.QUICK_STOP_ACTIVE)
-            if self._client.restarted or not self._client.running:
-                self._begin()
+            if self._client.restarted or not self._client.running or self._client.is_silent(now):
+                self._begin()  # one that is silent may have restarted unheard
 
     def write(self, now: float) -> None:
         """Send our heartbeat and what the drive is to do."""
