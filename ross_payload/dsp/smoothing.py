@@ -35,6 +35,8 @@ def averaged_rows(values: Real, low: int, high: int) -> Real:
     summed[1:] += given[:-1]
     summed[:-1] += given[1:]
     n = rows.shape[-1]
+    if not n:
+        return result
     for edge, inner in ((0, min(1, n - 1)), (n - 1, max(n - 2, 0))):
         result[..., edge] = rows[..., edge] + rows[..., inner] + rows[..., edge]
     return result

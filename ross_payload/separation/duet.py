@@ -61,6 +61,7 @@ class Duet:
         """Separate a recording (2, n_freqs, n_frames) into groups of sources that share a TDOA.
 
         Each output is the delayed sum of both microphones, within its mask, times a Wiener gain against the noise.
+        Where the delays are not known and none is found, as with a dead microphone, the mixture is the only group.
         """
         if scene.tau is None:
             tau = blind_delays(spectrogram, scene)
@@ -68,7 +69,7 @@ class Duet:
         else:
             members, tau = directions_of(scene, self.name)
         if not len(tau):
-            return Groups(np.zeros((0, *spectrogram.shape[1:]), spectrogram.dtype), members, self.name)
+            return _whole(spectrogram, scene)
         noise = scene.noise_psd if scene.noise_psd is not None else guessed_psd(spectrogram)
         beams, gains = masked_beams(spectrogram, scene.frequencies, tau, noise)
         return Groups(beams * gains, members, self.name, masks=gains)
@@ -130,6 +131,13 @@ class LiveDuet:
     def renewed(self, state: State, learnt: Real) -> State:
         """Return the state whose noise PSD moves towards what was learnt."""
         return replace(state, goal=learnt)
+
+
+def _whole(spectrogram: Complex, scene: Scene) -> Groups:
+    """The mixture as the only group of somebody who cannot be told from others; no group of nobody."""
+    if not scene.n_sources:
+        return Groups(np.zeros((0, *spectrogram.shape[1:]), spectrogram.dtype), (), Duet.name)
+    return Groups(spectrogram[:1], ((),), Duet.name, why="no delay found: the mixture as it is")
 
 
 def masked_beams(spectrogram: Complex, frequencies: Real, tau: Real, noise_psd: Real) -> tuple[Complex, Real]:

@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.interfaces import Scene
+from ross_payload.plugin_checks import load_separator
 from ross_payload.separation.duet import blind_delays, separator
 
 FREQUENCIES = np.fft.rfftfreq(512, 1 / 16000)
@@ -49,6 +52,19 @@ def test_the_delays_are_found_when_they_are_not_known() -> None:
 def test_silence_gives_silence(tau: np.ndarray | None) -> None:
     groups = separator.batch(np.zeros((2, FREQUENCIES.size, 20), np.complex64), _scene(tau))
     assert not groups.signals.any()
+
+
+def test_where_no_delay_is_found_the_mixture_is_the_only_group() -> None:
+    _, mixture = _disjoint()
+    mixture[1] = 0
+    groups = load_separator("duet").batch(mixture, replace(_scene(None), noise_psd=None))
+    np.testing.assert_array_equal(groups.signals, mixture[:1])
+    assert (groups.members, groups.why) == (((),), "no delay found: the mixture as it is")
+
+
+def test_no_frames_give_groups_without_frames() -> None:
+    nothing = np.zeros((2, FREQUENCIES.size, 0), np.complex64)
+    assert separator.batch(nothing, _scene(TAU)).signals.shape == (3, FREQUENCIES.size, 0)
 
 
 def test_nobody_gives_no_groups() -> None:
