@@ -9,6 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -52,7 +53,7 @@ def report(pair: Pair, found: Evaluation, config: Config, azimuths_deg: Sequence
         "noise": "measured at the start of A" if found.noise_known else "unknown",
         "si_sdr_in_db": _rounded(found.before, 2),
         "groups": [_group(index, found) for index in range(len(found.groups))],
-        "notes": [*pair.notes, *_doubts(found)],
+        "notes": [*pair.notes, *_doubts(found), *_softer(found)],
         "configuration": config.model_dump(mode="json", include={"array", "audio", "seed"}),
         "versions": {name: version(name) for name in PACKAGES},
     }
@@ -62,6 +63,19 @@ def _doubts(found: Evaluation) -> tuple[str, ...]:
     if found.given or len(found.tau) > 1:
         return ()
     return ("mixture: only one direction was found, so nothing is separated: give --sources, --azimuth or --tdoa-us",)
+
+
+def _softer(found: Evaluation) -> tuple[str, ...]:
+    gain = gain_of_files(found)
+    if gain == 1:
+        return ()
+    return (f"the separated voices exceed full scale: files of --out are {-20 * math.log10(gain):.1f} dB softer",)
+
+
+def gain_of_files(found: Evaluation) -> float:
+    """Gain of the files of all groups, with which none exceeds full scale; 1 where none does anyhow."""
+    loudest = max((float(np.abs(group.voice).max()) for group in found.groups), default=0.0)
+    return 1.0 if loudest <= 1 else 1 / loudest
 
 
 def _group(index: int, found: Evaluation) -> dict[str, Any]:
@@ -112,13 +126,16 @@ def _where(row: dict[str, Any], values: dict[str, Any]) -> str:
 def write(folder: Path, values: dict[str, Any], found: Evaluation, rate: int) -> None:
     """Write ``group-N.wav`` (24-bit PCM) and ``report.json``; voices of an earlier evaluation are removed.
 
+    Voices louder than full scale, as those of float files may be, are made softer by what `report` says.
+
     Raises
     ------
     OutputError
         When the disk is full or gone.
     """
+    gain = gain_of_files(found)
     for index, group in enumerate(found.groups):
-        write_wav(folder / f"group-{index}.wav", group.voice, rate)
+        write_wav(folder / f"group-{index}.wav", gain * group.voice, rate)
     mine = {f"group-{index}.wav" for index in range(len(found.groups))}
     with refused_as(OutputError, f"{folder}: cannot be written"):
         for path in folder.iterdir():

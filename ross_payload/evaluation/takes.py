@@ -102,8 +102,11 @@ def paired(mixture: Take, target: Take, rate: int) -> Pair:
     Raises
     ------
     AudioError
-        When less than a second of them overlaps, or the target is not heard in the mixture.
+        When less than a second of them overlaps, the target is not heard in the mixture, or both channels of the
+        mixture are the same.
     """
+    if np.array_equal(*mixture.samples):
+        raise AudioError("mixture: both channels are the same: expected one per microphone")
     notes = tuple(
         f"{name}: resampled from {take.rate} to {rate} Hz"
         for name, take in (("mixture", mixture), ("target", target))

@@ -221,6 +221,32 @@ def test_out_holds_every_voice_and_the_report_and_none_of_an_earlier_run(takes, 
     assert (info.subtype, info.samplerate, info.frames) == ("PCM_24", RATE, SECONDS * RATE)
 
 
+def test_voices_louder_than_full_scale_are_softer_in_the_files_and_not_cut_off(takes, scored, tmp_path):
+    """A float file may count as 16 bits do: its scores are those of the same file at full scale, the files' too."""
+    loud = {}
+    for name in ("a.wav", "b.wav"):
+        samples, _ = soundfile.read(takes / name)
+        soundfile.write(loud.setdefault(name, tmp_path / name), 32768 * samples, RATE, subtype="FLOAT")
+    out, plain = tmp_path / "out", scored(takes / "a.wav", takes / "b.wav", "--sources", 2, "--out", tmp_path / "plain")
+    values = scored(*loud.values(), "--sources", 2, "--out", out)
+    assert best(values)["si_sdr_db"] == pytest.approx(best(plain)["si_sdr_db"], abs=0.01)
+    softer = [note for note in values["notes"] if "full scale: files of --out are" in note]
+    assert len(softer) == 1
+    assert plain["notes"] == []
+    voices = [[soundfile.read(where / f"group-{n}.wav")[0] for n in (0, 1)] for where in (tmp_path / "plain", out)]
+    gain = 32768 * 10 ** (-float(softer[0].split()[-3]) / 20)
+    assert np.abs(voices[1]).max() == pytest.approx(1, abs=1e-6)
+    np.testing.assert_allclose(voices[1], gain * np.array(voices[0]), rtol=0.02, atol=1e-4)
+
+
+def test_two_channels_that_are_the_same_are_refused(takes, run, tmp_path):
+    samples, _ = soundfile.read(takes / "a.wav")
+    soundfile.write(tmp_path / "mono.wav", samples[:, [0, 0]], RATE, subtype="FLOAT")
+    code, out, err = run(tmp_path / "mono.wav", takes / "b.wav", *DUET)
+    assert (code, out) == (2, "")
+    assert err == "ross: mixture: both channels are the same: expected one per microphone\n"
+
+
 def test_the_table_names_the_gain(takes, run):
     code, out, _ = run(takes / "a.wav", takes / "b.wav", "--separator", "duet")
     assert code == 0
