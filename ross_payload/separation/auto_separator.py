@@ -30,7 +30,8 @@ class Auto:
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
         """Separate a recording (2, n_freqs, n_frames) by the method that suits it; `Groups.why` says why."""
         method, why = choose(scene)
-        return replace(method.batch(spectrogram, scene), why=why)
+        groups = method.batch(spectrogram, scene)
+        return replace(groups, why=f"{why}; {groups.why}" if groups.why else why)
 
     def live(self, lookahead: int = 1) -> LiveSeparator:
         """Return the best that separates frame by frame: `refined` where it may look ahead, else `gaussian`."""

@@ -22,13 +22,14 @@ from ross_payload.interfaces import Complex, Groups, LiveSeparator, Quality, Rea
 from ross_payload.separation.covariance_em import reestimated
 from ross_payload.separation.directness import directness_of
 from ross_payload.separation.live_gaussian import Learnt, LiveGaussian, State, separated, thinned
-from ross_payload.separation.local_gaussian_model import UPDATES, fitted, from_directions, wiener
+from ross_payload.separation.local_gaussian_model import UPDATES, fitted, from_directions, reverberant, wiener
 from ross_payload.separation.network import Network, Past, network_in_noise, shipped_network
 from ross_payload.separation.refiner_features import (
     HIDDEN,
     HIGHEST,
     LEAST,
     STEADY,
+    WIDTHS,
     Features,
     features,
     features_in_noise,
@@ -50,10 +51,15 @@ class Refined:
         self._network, self._in_noise = network, in_noise
 
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
-        """Separate as `ross_payload.separation.local_gaussian_model.from_directions` says."""
+        """Separate as `ross_payload.separation.local_gaussian_model.from_directions` says.
+
+        `Groups.why` says when the network is not used, since it was not trained for frames of this length.
+        """
         core = self._separated if scene.noise_field is None else self._separated_in_noise
-        larger = LARGER if trained_for(scene.frequencies) else None
-        return from_directions(core, spectrogram, scene, self.name, always_below=HIGHEST, larger=larger)
+        known = trained_for(scene.frequencies)
+        larger = LARGER if known else None
+        groups = from_directions(core, spectrogram, scene, self.name, always_below=HIGHEST, larger=larger)
+        return groups if known or reverberant(spectrogram, scene) else replace(groups, why=_untrained(scene))
 
     def live(self, lookahead: int = 1) -> LiveSeparator:
         """Return the same model frame by frame."""
@@ -218,6 +224,18 @@ def shown_in_noise(observed: Real, covariances: Real, psds: Real, noise_psd: Rea
 def _above(psds: Real, noise_psd: Real) -> Real:
     """PSDs from which the network can lift a voice that the local Gaussian model gave up."""
     return np.asarray(np.maximum(psds, HIDDEN * noise_psd[:, None, None] + LEAST))
+
+
+def _untrained(scene: Scene) -> str:
+    """Why the network is not used, in words."""
+    frequencies = scene.frequencies
+    if frequencies.size < 2:
+        return "the local Gaussian model alone: too few frequencies for the network"
+    shortest, longest = (1000 / width for width in reversed(WIDTHS))
+    return (
+        f"the local Gaussian model alone: frames of {1000 / (frequencies[1] - frequencies[0]):.0f} ms, and the network "
+        f"is for {shortest:.0f} to {longest:.0f} ms"
+    )
 
 
 def _low(scene: Scene) -> int:

@@ -5,7 +5,7 @@ from ross_payload.dsp.steering import steering_vectors
 from ross_payload.interfaces import Scene
 from ross_payload.separation.auto_separator import choose, separator
 
-FREQUENCIES = np.fft.rfftfreq(512, 1 / 16000)
+FREQUENCIES = np.fft.rfftfreq(2048, 1 / 16000)  # frames that the network of `refined` knows
 LONGEST = 0.05 / 343.0
 APART = LONGEST * np.array([-0.8, 0.8])
 

@@ -9,6 +9,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Scene
 from ross_payload.separation import local_gaussian_model, refined
+from ross_payload.separation.auto_separator import separator as auto
 from ross_payload.separation.network import network_of
 from ross_payload.separation.refined import Refined, separator
 from ross_payload.separation.refiner_features import HIGHEST, N_FEATURES, features, stacked
@@ -105,6 +106,13 @@ def test_bins_of_another_width_keep_the_gaussian_model() -> None:
     np.testing.assert_allclose(found.masks, expected.masks, atol=0.02)
     for told, usual in zip(found.quality, expected.quality, strict=True):
         assert told.si_sdr == pytest.approx(usual.si_sdr, abs=0.5)
+    assert found.why == "the local Gaussian model alone: frames of 32 ms, and the network is for 67 to 167 ms"
+    assert auto.batch(mixture, scene).why == f"directions known; {found.why}"
+
+
+def test_bins_that_the_network_knows_need_no_reason() -> None:
+    _, mixture = _mixture([-0.8, 0.7], 0.5)
+    assert not separator.batch(mixture, _scene([-0.8, 0.7])).why
 
 
 def test_bins_above_the_highest_keep_the_gaussian_model(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -65,7 +65,8 @@ def test_the_network_is_not_asked_where_it_knows_nothing(alone, chosen):
 
 
 def test_auto_takes_the_model_of_every_bin_and_says_why(chosen):
-    assert (chosen.method, chosen.why) == ("refined", "directions known, noise that is not white")
+    network = "the local Gaussian model alone: frames of 64 ms, and the network is for 67 to 167 ms"
+    assert (chosen.method, chosen.why) == ("refined", f"directions known, noise that is not white; {network}")
 
 
 def test_a_louder_recording_gives_the_same_voices_louder(recording, alone):
