@@ -54,7 +54,9 @@ class Audio(Table):
     buffer_s: Annotated[float, Field(ge=1, le=600)] = 60.0  # audio that is buffered while a separation computes [s]
     rate_hz: Annotated[int, Field(ge=16000, le=48000)] = 16000  # of both microphones [Hz]
     hop_ms: Annotated[int, Field(ge=1, le=20)] = 10  # one step of the mission: a stop takes effect within it [ms]
-    frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] = 2048  # STFT frame of the separation [samples]
+    frame: Annotated[int, Field(ge=128, le=8192, multiple_of=2)] | None = (
+        None  # STFT frame of the separation [samples]; absent: a power of two near 0.1 s
+    )
     overlap: Annotated[float, Field(ge=0.25, le=0.9)] = 0.75  # of neighbouring frames, as a share of the frame
 
     @property

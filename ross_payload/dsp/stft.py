@@ -13,6 +13,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
 
 SHORT_S = 0.043  # frame that keeps onsets apart [s]
+SEPARATION_S = 0.1  # about as long as the frames that the network of `refined` was trained for [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +129,15 @@ class Stft:
         total = np.zeros(self.hop)
         np.add.at(total, np.arange(self.frame) % self.hop, power)
         return self.window / total[np.arange(self.frame) % self.hop]
+
+
+def separation_frame(rate: int) -> int:
+    """Return the power of two nearest to 0.1 s [samples] at a rate [Hz]: frames of the separation, 71 to 141 ms.
+
+    >>> [separation_frame(rate) for rate in (16000, 24000, 32000, 44100, 48000)]
+    [2048, 2048, 4096, 4096, 4096]
+    """
+    return int(2 ** round(math.log2(SEPARATION_S * rate)))
 
 
 def short_frames(rate: int) -> Stft:

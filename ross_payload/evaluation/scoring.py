@@ -13,7 +13,7 @@ from ross_payload.dsp.density import prominent_peaks
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.steering import tdoa
-from ross_payload.dsp.stft import Stft, short_frames
+from ross_payload.dsp.stft import Stft, separation_frame, short_frames
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.evaluation.takes import Pair
 from ross_payload.interfaces import Real, Scene
@@ -21,7 +21,6 @@ from ross_payload.localization import markov_explorer
 from ross_payload.localization.front_back_test import refined
 from ross_payload.plugin_checks import load_separator
 
-FRAME = 0.1  # of the separation, rounded to a power of two in samples [s]
 MOST_DEG = 360  # of an angle on the command line, as of one in an order
 PROMINENCE = 0.005  # of a peak that is a group, over the highest
 
@@ -61,8 +60,8 @@ def at_rate(config: Config, rate: int) -> Config:
     >>> [at_rate(Config(), rate).audio.frame for rate in (16000, 24000, 48000)]
     [2048, 2048, 4096]
     """
-    frame = 2 ** round(math.log2(FRAME * rate))
-    return config.model_copy(update={"audio": config.audio.model_copy(update={"rate_hz": rate, "frame": frame})})
+    update = {"rate_hz": rate, "frame": separation_frame(rate)}
+    return config.model_copy(update={"audio": config.audio.model_copy(update=update)})
 
 
 def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None) -> Evaluation:
@@ -93,7 +92,8 @@ def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None
     if not tau.size:
         raise AudioError("mixture: no direction found: it holds only noise, or is too short")
     audio, n = config.audio, pair.mixture.samples.shape[1]
-    stft = Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap)))
+    frame = audio.frame or separation_frame(audio.rate_hz)
+    stft = Stft(audio.rate_hz, frame, round(frame * (1 - audio.overlap)))
     scene = Scene(
         stft.frequencies, config.array.spacing_m, config.array.speed_of_sound_m_s, tau.size, tau, seed=config.seed
     )

@@ -11,7 +11,7 @@ from ross_payload.alignment.plan import plan
 from ross_payload.angles import wrap
 from ross_payload.config import Config, Table, validated
 from ross_payload.dsp.rotors import Rotors
-from ross_payload.dsp.stft import Stft, short_frames
+from ross_payload.dsp.stft import Stft, separation_frame, short_frames
 from ross_payload.errors import PluginError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Attitude, VoicePrint
@@ -106,12 +106,13 @@ def explorer_of(config: Config) -> CheckedExplorer:
 def tools_of(config: Config, voiceprint: VoicePrint | None) -> Tools:
     """Load the plug-ins that a configuration names."""
     audio, explorer = config.audio, explorer_of(config)
-    frame = config.explore.frame or short_frames(audio.rate_hz).frame
+    short = config.explore.frame or short_frames(audio.rate_hz).frame
+    long = audio.frame or separation_frame(audio.rate_hz)
     return Tools(
         explorer=explorer,
-        explorer_stft=Stft(audio.rate_hz, frame, round(frame * (1 - config.explore.overlap))),
+        explorer_stft=Stft(audio.rate_hz, short, round(short * (1 - config.explore.overlap))),
         separator=load_separator(config.exploit.separator),
-        stft=Stft(audio.rate_hz, audio.frame, round(audio.frame * (1 - audio.overlap))),
+        stft=Stft(audio.rate_hz, long, round(long * (1 - audio.overlap))),
         voiceprint=voiceprint,
         plan=PLANNERS[config.exploit.rules],
         voice_model=partial(ModelFolder.default().in_use, config.voice_print.model),

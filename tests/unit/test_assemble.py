@@ -13,6 +13,7 @@ from ross_payload.config import Config
 from ross_payload.errors import ConfigError, PluginError
 from ross_payload.interfaces import Capabilities, Feedback
 from ross_payload.mount import FixedMount, fixed_mount
+from ross_payload.separation.refiner_features import trained_for
 from ross_payload.service.assemble import explorer_of, informed_of, settings_of, tools_of
 from ross_payload.service.payload import maker
 
@@ -95,3 +96,14 @@ def markov_of(table):
 @pytest.mark.parametrize(("rules", "planner"), [("best", plan), ("paper", paper_plan)])
 def test_rules_name_what_plans(rules, planner):
     assert tools_of(Config.model_validate({"exploit": {"rules": rules}}), voiceprint=None).plan is planner
+
+
+@pytest.mark.parametrize(
+    ("rate", "given", "frame"),
+    [(16000, None, 2048), (24000, None, 2048), (44100, None, 4096), (48000, None, 4096), (48000, 2048, 2048)],
+)
+def test_frames_of_the_separation_last_as_long_at_every_rate(rate, given, frame):
+    audio = {"rate_hz": rate} | ({} if given is None else {"frame": given})
+    stft = tools_of(Config.model_validate({"audio": audio, "actuator": {"kind": "ideal"}}), None).stft
+    assert (stft.frame, stft.hop) == (frame, frame // 4)
+    assert trained_for(stft.frequencies) == (given is None)
