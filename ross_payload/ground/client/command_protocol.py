@@ -112,7 +112,14 @@ class CommandProtocol:
         return tuple(self._doing.values())
 
     def order(self, who: ComponentId, order: Order) -> int:
-        """Order something at once; return the number of what becomes of it."""
+        """Order something at once; return the number of what becomes of it.
+
+        Raises
+        ------
+        ValueError
+            When a number of the order is none; nothing is sent then.
+        """
+        order.check()
         self._give_way(who, order)
         while len(self._doing) >= MOST_STATUSES and (oldest := self._oldest()) is not None:
             del self._doing[oldest]

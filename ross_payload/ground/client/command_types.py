@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.field_converters import FLOAT32_MAX
 
 MOST_AZIMUTHS = 6  # of an `Inform`
 VOICE, SOURCE, AZIMUTH = ross.ROSS_LISTEN_MODE_VOICE, ross.ROSS_LISTEN_MODE_SOURCE, ross.ROSS_LISTEN_MODE_AZIMUTH
@@ -36,6 +37,21 @@ class Order:
     def replaces(self, other: Order) -> bool:
         """Whether an earlier order must not be said again after this one: it would undo it."""
         return False
+
+    def check(self) -> None:
+        """Find out before anything is sent what no command can carry; NaN and infinity are the payload's to refuse.
+
+        Raises
+        ------
+        ValueError
+            When a number is none, or too large for a 32-bit float.
+        """
+        try:
+            _, numbers = self.words, [float(each) for each in self.numbers]
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{self.name}: expected numbers, got {self}") from error
+        if any(FLOAT32_MAX < abs(each) < math.inf for each in numbers):
+            raise ValueError(f"{self.name}: expected numbers that a 32-bit float can hold, got {self}")
 
 
 class Explore(Order):

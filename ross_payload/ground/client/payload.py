@@ -115,7 +115,7 @@ class Payload(StreamRequests):
 
     async def listen_to(self, source: int | SourceEstimate) -> None:
         """Turn so that a source of the latest estimate can be separated, and listen to it until cancelled."""
-        await self.request(command_types.Listen(source=source if isinstance(source, int) else source.source))
+        await self.request(command_types.Listen(source=source.source if isinstance(source, SourceEstimate) else source))
 
     async def listen_at(self, azimuth_deg: float) -> None:
         """Turn so that whoever is at an azimuth can be separated, and listen until cancelled."""
@@ -177,6 +177,8 @@ class Payload(StreamRequests):
         ------
         RefusedByPayload, TaskFailed, TaskCancelled, LinkLost
             When it is not.
+        ValueError
+            When a number of it is none, or no 32-bit float can hold it: nothing is sent then.
         """
         self._commands.tick(self._station.now())
         number = self._commands.order(self.id, order)

@@ -53,6 +53,12 @@ def test_words_on_a_command_line_become_their_order(line, order, words):
     assert [math.isnan(a) or a for a in command.numbers] == [math.isnan(b) or b for b in expected]
 
 
+@pytest.mark.parametrize("which", [{"stream": -1}, {"port": 5004}, {"address": "", "port": 5004}], ids=str)
+def test_what_names_no_stream_does_not_end_all_of_them(which):
+    with pytest.raises(ValueError, match="expected"):
+        StopStream(**which)
+
+
 @pytest.mark.parametrize(
     ("line", "words"),
     [

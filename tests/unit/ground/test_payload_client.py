@@ -72,6 +72,23 @@ def test_too_many_azimuths_are_not_sent():
     assert station.commands() == []
 
 
+@pytest.mark.parametrize("heading", ["10", None, 1e39, [10.0]], ids=str)
+def test_what_is_no_number_is_not_sent_and_a_stop_still_is(heading):
+    station = Scripted(Result.ACCEPTED)
+
+    async def work(payload):
+        error = await raised(payload.turn(heading))
+        sent = station.commands()
+        await payload.stop()
+        return error, sent
+
+    error, sent = with_payload(station, work)
+    assert isinstance(error, ValueError)
+    assert f"got Turn(heading={heading!r})" in str(error)
+    assert sent == []
+    assert [command.command for command in station.commands()] == [ross.MAV_CMD_ROSS_STOP]
+
+
 @pytest.mark.parametrize(
     ("results", "kind"),
     [
