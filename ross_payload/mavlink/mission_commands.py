@@ -236,8 +236,6 @@ class MissionCommands:
 
     def _hand_over(self, entry: Entry, wanted: Order) -> Verdict | None:
         order = self._order(wanted)
-        if isinstance(order, Cancel):
-            return ACCEPTED
         entry.order, entry.due = order, self._now + ANSWER_TIMEOUT_S
         self._open[order.number] = entry
         return None

@@ -36,7 +36,7 @@ def recorded(ross_run, ground_stations, tmp_path_factory):
         wait_for(lambda: "mission started" in " ".join(ground.texts()))
         begun = len(ground.of("HEARTBEAT"))
         wait_for(lambda: len(ground.of("HEARTBEAT")) > begun + 4)
-        assert ground.order(CANCEL) == ACCEPTED
+        assert ground.order(CANCEL, last=True) == ACCEPTED
         ground.wait("COMMAND_ACK", lambda ack: (ack.command, ack.result) == (EXPLORE, CANCELLED))
         wait_for(lambda: "mission over" in " ".join(ground.texts()))
         assert ground.order(RECORD, 0) == ACCEPTED

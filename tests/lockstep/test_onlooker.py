@@ -82,8 +82,9 @@ def test_what_a_scripted_mission_cannot_do_is_refused_in_words(watched):
     assert f"refused: {SCRIPTED}" in gazer.texts()
 
 
-def test_a_stop_from_the_page_ends_the_mission(short, tmp_path):
-    with Gazer(command(STOP)) as gazer:
+@pytest.mark.parametrize("number", [STOP, ross.MAV_CMD_ROSS_CANCEL])
+def test_a_stop_or_a_cancel_from_the_page_ends_the_mission(short, tmp_path, number):
+    with Gazer(command(number)) as gazer:
         onlooker = PageObserver("", gazer.link)
         finished = flown(short, tmp_path, onlooker)
     assert finished.result.outcome is Outcome.STOPPED

@@ -229,6 +229,17 @@ def test_cancel_as_a_command_cancels_whatever_is_in_progress(payload):
     assert sorted(acks) == [(TURN, CANCELLED), (CANCEL, ACCEPTED)]
 
 
+def test_a_cancel_is_accepted_when_it_is_in_effect_and_another_task_is_welcome_at_once(payload):
+    payload.command(TURN, 90, seconds=0.1)
+    payload.computing = True
+    assert payload.command(CANCEL, seconds=0.3) == [IN_PROGRESS]
+    payload.computing = False
+    while not (ends := [m.result for m in payload.wait(0.01) if m.get_type() == "COMMAND_ACK" and m.command == CANCEL]):
+        pass
+    assert ends == [ACCEPTED]
+    assert payload.command(TURN, -10)[-1] == ACCEPTED
+
+
 def test_a_cancelled_task_can_be_followed_by_another(payload):
     payload.command(TURN, 90, seconds=0.1)
     payload.command(CANCEL, seconds=0.1)

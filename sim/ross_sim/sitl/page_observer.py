@@ -122,20 +122,21 @@ class OrderGate:
     def __init__(self, stop: Callable[[Order], None]) -> None:
         self.answer: Callable[[Event, Input], None] = lambda event, hop: None
         self._stop = stop
-        self._refused: list[Order] = []
+        self._unanswered: list[Order] = []
 
     def give(self, order: Order) -> None:
         """Take an order."""
         if isinstance(order, (Stop, Cancel)):
             self._stop(order)
-        else:
-            self._refused.append(order)
+        if not isinstance(order, Stop):
+            self._unanswered.append(order)
 
     def on_input(self, hop: Input) -> None:
         """Answer what came since the last hop."""
-        for order in self._refused:
-            self.answer(Answered(hop.block.time, order.number, Answer.REFUSED, SCRIPTED), hop)
-        self._refused.clear()
+        for order in self._unanswered:
+            answer, why = (Answer.ACCEPTED, "") if isinstance(order, Cancel) else (Answer.REFUSED, SCRIPTED)
+            self.answer(Answered(hop.block.time, order.number, answer, why), hop)
+        self._unanswered.clear()
 
     def on_event(self, event: Event, hop: Input) -> None:
         """What the mission says is no order."""
