@@ -47,6 +47,7 @@ class _Parameter:
     state: str = KNOWN
     reason: str = ""
     wanted: float = math.nan
+    since: float = -math.inf  # when a change was asked for [s]
     at: float = 0.0  # latest change of the state [s]
     sent: int = 0  # frames
     kept: bool = False  # another value than the wanted one was heard since
@@ -128,7 +129,7 @@ class ParamClient:
         if not abs(value) <= FLOAT32_MAX:
             raise ValueError(f"{name}: expected a number that a 32-bit float can hold, got {str(value)[:40]}")
         before = self._settings[name].value
-        self._settings[name] = _Parameter(before, SENDING, wanted=value)
+        self._settings[name] = _Parameter(before, SENDING, wanted=value, since=self._now)
         self._send_value(name)
 
     def on_state(self, payload: PayloadState) -> None:
@@ -230,7 +231,9 @@ class ParamClient:
         for text in self._texts.latest(self._now):
             name, colon, reason = text.text.removeprefix(PREFIX).partition(": ")
             setting = self._settings.get(name)
-            if colon and setting is not None and setting.state == REFUSED and self._now - setting.at < EXPLANATION_S:
+            if not colon or setting is None or setting.state != REFUSED or text.at <= setting.since:
+                continue  # what was said before is about another value
+            if self._now - setting.at < EXPLANATION_S:
                 self._settings[name] = replace(setting, reason=reason)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections import defaultdict
 from collections.abc import AsyncIterator, Coroutine
 from dataclasses import dataclass, fields
 from typing import Any
@@ -46,6 +47,7 @@ class Parameters:
         self.settings = settings
         self.wanted = False  # the list is not asked for before
         self._changed = changed
+        self._one_value: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)  # of two nobody could tell whose
 
     def __getitem__(self, name: str) -> Coroutine[Any, Any, float]:
         """Return a coroutine: ``await parameters[name]`` is the value.
@@ -92,6 +94,8 @@ class Parameters:
     async def set(self, name: str, value: float) -> float:
         """Change a parameter, wait until it was read back, and return it as the payload has it.
 
+        Of several at once for the same parameter each is sent when the one before it has ended.
+
         Raises
         ------
         UnknownParameter
@@ -108,15 +112,16 @@ class Parameters:
             await self._until_known()
         if name not in self.settings.values:
             raise unknown(self.settings, name)
-        self.settings.set(name, value)
-        state, reason = await self._changed.until(lambda: self._ended(name))
-        request = f"{name} = {value:g}"
-        if state == NO_ANSWER:
-            raise LinkLost(request, reason)
-        if state == REFUSED:
-            own_words = await self._changed.within(REASON_TIMEOUT_S, lambda: self._own_words(name))  # a little later
-            raise RefusedByPayload(request, own_words or reason)
-        return self.settings.values[name]
+        async with self._one_value[name]:
+            self.settings.set(name, value)
+            state, reason = await self._changed.until(lambda: self._ended(name))
+            request = f"{name} = {value:g}"
+            if state == NO_ANSWER:
+                raise LinkLost(request, reason)
+            if state == REFUSED:
+                own_words = await self._changed.within(REASON_TIMEOUT_S, lambda: self._own_words(name))  # a bit later
+                raise RefusedByPayload(request, own_words or reason)
+            return self.settings.values[name]
 
     async def _value(self, name: str) -> float:
         await self._until_known()

@@ -248,3 +248,38 @@ def test_a_parameter_that_stays_as_it_is_raises():
     error = with_payload(station, work)
     assert (type(error), error.request) == (RefusedByPayload, "EXP_UNIT = 99")
     assert error.reason == "expected 0.5 to 10, got 99"
+
+
+def test_two_values_for_one_parameter_at_once_are_each_set_and_returned():
+    class Slow(Scripted):
+        def send(self, message, who=None):
+            late = 0.05 if message.get_type() == "PARAM_SET" else 0.0
+            asyncio.get_running_loop().call_later(late, super().send, message, who)
+
+    station = Slow()
+
+    async def work(payload):
+        return await asyncio.gather(*(payload.parameters.set("EXP_UNIT", value) for value in (1.5, 2.5)))
+
+    assert with_payload(station, work) == [1.5, 2.5]
+    sent = [message.param_value for message, _ in station.sent if message.get_type() == "PARAM_SET"]
+    assert sent == [1.5, 2.5]
+
+
+def test_why_a_value_was_refused_is_no_reason_for_the_next_one():
+    station = Scripted()
+    station.refuses = True
+
+    async def refused(payload, value, *texts):
+        waiting = asyncio.create_task(raised(payload.parameters.set("EXP_UNIT", value)))
+        await asyncio.sleep(0.1)
+        station.say(common.MAVLink_param_error_message(254, 190, b"EXP_UNIT", -1, 2), *texts)
+        return await waiting
+
+    async def work(payload):
+        await payload.parameters["EXP_UNIT"]
+        text = v.Text(v.Severity.WARNING, "RoSS: EXP_UNIT: expected 0.5 to 10, got 99")
+        return await refused(payload, 99, text), await refused(payload, -1)
+
+    first, second = with_payload(station, work)
+    assert (first.reason, second.reason) == ("expected 0.5 to 10, got 99", "out of range")
