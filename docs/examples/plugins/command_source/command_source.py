@@ -1,8 +1,11 @@
 """The audio source ``command:PROGRAM ARGUMENTS``: what a program writes to its standard output, as raw PCM."""
 
+import os
 import shlex
+import signal
 import subprocess
 import threading
+from contextlib import suppress
 
 import numpy as np
 
@@ -17,7 +20,9 @@ class Program:
 
     def __init__(self, command, channels, on_samples):
         with refused_as(AudioError, f"command '{command[0]}': cannot be started"):
-            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE)
+            self._process = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, start_new_session=True
+            )
         self._channels, self._on_samples = channels, on_samples
         self._thread = threading.Thread(target=self._copy, name="command", daemon=True)
         self._thread.start()
@@ -27,14 +32,20 @@ class Program:
         return self._thread.is_alive()
 
     def close(self):
-        self._process.terminate()
-        try:
+        self._signal(signal.SIGTERM)
+        with suppress(subprocess.TimeoutExpired):
             self._process.wait(LEAVE_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
+        self._thread.join(LEAVE_S)
+        if self._thread.is_alive() or self._process.poll() is None:
+            self._signal(signal.SIGKILL)
             self._process.wait()
-        self._thread.join()
-        self._process.stdout.close()
+            self._thread.join(LEAVE_S)
+        if not self._thread.is_alive():
+            self._process.stdout.close()
+
+    def _signal(self, number):
+        with suppress(ProcessLookupError):
+            os.killpg(self._process.pid, number)  # also what it has started, as in sh -c "arecord | sox"
 
     def _copy(self):
         rest, size = b"", 2 * self._channels
