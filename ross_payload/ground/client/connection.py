@@ -9,12 +9,13 @@ from pathlib import Path
 
 from ross_payload.ground.client.payload import Payload
 from ross_payload.ground.client.streams import Wakeup
-from ross_payload.ground.errors import NoPayload
+from ross_payload.ground.errors import GroundError, NoPayload
 from ross_payload.ground.links.signing import read_key
 from ross_payload.ground.station import Station
 from ross_protocols.mavlink.component_id import ComponentId
 
 OTHERS_S = 1.5  # after the first payload, in which every other one sends a heartbeat
+KEY_BYTES = 32
 CONNECT_TIMEOUT_S = 60.0  # a simulation, or a computer that boots, takes its time
 
 
@@ -22,8 +23,8 @@ CONNECT_TIMEOUT_S = 60.0  # a simulation, or a computer that boots, takes its ti
 async def connect(
     *urls: str,
     payload: ComponentId | str | None = None,
-    key: bytes | Path | None = None,
-    log: Path | None = None,
+    key: bytes | Path | str | None = None,
+    log: Path | str | None = None,
     system_id: int = 254,
     timeout_s: float = CONNECT_TIMEOUT_S,
 ) -> AsyncGenerator[Payload]:
@@ -40,7 +41,7 @@ async def connect(
     log
         Folder for a .tlog of everything received and sent.
     system_id
-        Who we are; nobody else on the links may have the same.
+        Who we are, 1 to 255; nobody else on the links may have the same. `ross ground` has 254, too.
     timeout_s
         How long to wait for the payload [s].
 
@@ -51,12 +52,18 @@ async def connect(
     GroundError
         When a link cannot be opened, or the key is none.
     ValueError
-        When ``payload`` is no id.
+        When there is no URL, ``payload`` is no id, or ``system_id`` none.
     """
+    if not urls:
+        raise ValueError("urls: expected one such as udpin:127.0.0.1:14550, got none")
+    if not 1 <= system_id <= 255:
+        raise ValueError(f"system_id: expected 1 to 255, got {system_id}")
     wanted = ComponentId.parse(payload) if isinstance(payload, str) else payload
-    secret = read_key(key) if isinstance(key, Path) else key
+    secret = read_key(Path(key)) if isinstance(key, Path | str) else key
+    if secret is not None and len(secret) != KEY_BYTES:
+        raise GroundError(f"key: expected {KEY_BYTES} bytes, got {len(secret)}")
     async with (
-        Station(urls, system_id=system_id, key=secret, log=log) as station,
+        Station(urls, system_id=system_id, key=secret, log=None if log is None else Path(log)) as station,
         Payload(station, await _received(station, wanted, timeout_s)) as client,
     ):
         yield client

@@ -7,6 +7,7 @@ import pytest
 import ports
 from hand_station import PAYLOAD
 from ross_payload.ground import (
+    GroundError,
     NoPayload,
     Payload,
     connect,
@@ -137,6 +138,27 @@ async def test_nothing_at_all_is_told_with_what_to_do():
 async def test_an_id_that_is_none_is_refused_at_once():
     with pytest.raises(ValueError, match="expected system-component"):
         async with connect("udpin:127.0.0.1:0", payload="drone"):
+            pass
+
+
+@pytest.mark.parametrize(
+    ("urls", "wrong", "kind", "said"),
+    [
+        ((), {}, ValueError, "urls: expected one"),
+        (("udpin:127.0.0.1:0",), {"system_id": 999}, ValueError, "system_id: expected 1 to 255, got 999"),
+        (("udpin:127.0.0.1:0",), {"key": b"short"}, GroundError, "key: expected 32 bytes, got 5"),
+        (("udpin:127.0.0.1:0",), {"key": "no-such-key"}, GroundError, "key no-such-key: cannot be read"),
+        (
+            (f"udpin:127.0.0.1:{ports.free_port()}",),
+            {"log": "/dev/null/logs"},
+            GroundError,
+            "--log /dev/null/logs: cannot be written",
+        ),
+    ],
+)
+async def test_what_cannot_be_connected_with_is_told_at_once(urls, wrong, kind, said):
+    with pytest.raises(kind, match=said):
+        async with connect(*urls, **wrong, timeout_s=0.1):
             pass
 
 
