@@ -41,6 +41,8 @@ ANOTHER = """\
             subtree:add_expert_info(PI_UNDECODED, PI_NOTE, "A message of another dialect")
             size = limit - offset
 """  # and what follows it in its datagram is read
+TIME = "    if value > time_usec_threshold then\n"
+WHOLE_TIME = '    if type(value) ~= "number" and value > time_usec_threshold then\n'  # a delay is a number of us, too
 FIELDS = re.compile(
     r"""f\.(\w+)_0 = ProtoField\.new\("(\w+)\[0\] (.*)", "mavlink_proto\.\1_0", (.*)\)\n"""
     r"""((?:f\.\1_\d+ = ProtoField\.new\("\2\[\d+\] \3", "mavlink_proto\.\1_\d+", \4\)\n)+)"""
@@ -100,10 +102,10 @@ def dissector(folder: Path, mavgen: Callable[[str, Path, Path], None]) -> None:
     places = {name.rpartition("_")[2] + "_at": place for name, place in tunnel.field_offsets.items()}
     inner = INNER.format(id=tunnel.id, size=tunnel.wire_length, type=54000, **places)
     lines = "".join(f"{line.rstrip()}\n" for line in path.read_text(encoding="utf-8").rstrip().splitlines())
-    for found in (UNKNOWN, BIND):
+    for found in (UNKNOWN, BIND, TIME):
         if lines.count(found) != 1:
             raise SystemExit(f"mavgen's dissector has changed: expected exactly once\n{found}")
-    lines = lines.replace(UNKNOWN, ANOTHER).replace(BIND, inner + BIND)
+    lines = lines.replace(UNKNOWN, ANOTHER).replace(BIND, inner + BIND).replace(TIME, WHOLE_TIME)
     path.write_text(READS.sub(_read, FIELDS.sub(_field, lines)), encoding="utf-8")
     xml.unlink()
 

@@ -15,7 +15,7 @@ local signature_time_ref = get_timezone() + os.time{year=2015, month=1, day=1, h
 time_usec_threshold = UInt64.new(0,0x40000)
 -- function to append human-readable time onto unix_time_us fields
 local function time_usec_decode(value)
-    if value > time_usec_threshold then
+    if type(value) ~= "number" and value > time_usec_threshold then
         s = math.floor(value:tonumber() / 1000000.0)
         us = value % 1000000
         d = os.date("%Y-%m-%d %H:%M:%S",s)

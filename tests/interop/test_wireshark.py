@@ -129,6 +129,12 @@ def test_broken_tunnels_do_not_break_the_dissector(tshark, encoder):
     assert shown.count("heading (float) [rad]: 1.570") == len(lengths)
 
 
+@pytest.mark.parametrize("isolation", [-125.0, -1e25, math.nan])
+def test_a_delay_that_is_negative_or_not_known_does_not_break_the_dissector(fields, encoder, isolation):
+    frame = encoder.encode(replace(ALIGNMENT, isolation=isolation))
+    assert fields([frame], "ROSS_ALIGNMENT_gain", "ROSS_ALIGNMENT_plan") == [["3.5", "3"]]
+
+
 @pytest.mark.soak
 def test_what_a_payload_also_says_and_hears_is_read(tshark, encoder):
     turn = common.MAVLink_command_long_message(7, 191, 54003, 0, 30.0, 0, 0, 0, 0, 0, 0)
