@@ -23,6 +23,7 @@ from ross_payload.transport.async_task import drained
 
 CLOSING_PERIOD_S = 0.010  # between two polls while a device comes to rest before it is closed
 HELD_UP_S = 0.1  # longer between two polls, and this program, or its computer, was held up [s]
+MAX_CATCH_UP_S = 0.5  # so long at most what is simulated here may take to make up for a pause [s]
 TIME_TOLERANCE_S = 1e-6  # so much before its time something is due, for every driver
 NodeId = Annotated[int, Field(ge=1, le=127)]  # on a CAN bus, for CANopen and DroneCAN
 log = logging.getLogger(__name__)

@@ -256,6 +256,32 @@ def test_a_pause_of_the_whole_computer_is_no_silence_of_the_drive(silent):
     assert bool(bench.fault) is silent
 
 
+def test_the_silence_of_a_drive_is_noticed_by_a_program_that_polls_seldom():
+    """Every poll looks like the end of a pause; only the first one after its last word excuses the drive."""
+    bench = Bench(guard={"watchdog_s": 2.0}).open()
+    bench.cancel()
+    bench.far_end.afflict(Fault.SILENT)
+    for _ in range(6):
+        bench.clock.sleep(0.11)
+        bench.actuator.poll(bench.clock.now())
+    assert "node 5 has sent nothing" in bench.fault
+
+
+def test_a_jump_soon_after_a_long_pause_is_a_jump():
+    """Half a second is what a simulated drive may take to make up for it, however long it was."""
+    bench = Bench(guard={"watchdog_s": 60.0}).open()
+    bench.cancel()
+    bench.clock.sleep(10.0)
+    bench.clock.every(QUANTUM, lambda: bench.actuator.poll(bench.clock.now()))
+    bench.clock.sleep(1.0)
+    bench.actuator.home()
+    bench.clock.sleep(1.0)
+    assert not bench.fault
+    bench.far_end.axle.angle += math.radians(45)
+    bench.clock.sleep(0.1)
+    assert "it jumps by" in bench.fault
+
+
 def test_a_drive_that_restarted_while_nothing_was_heard_of_it_is_set_up_by_homing():
     bench = Bench().open()
     bench.far_end.afflict(Fault.SILENT)

@@ -278,3 +278,18 @@ def test_a_goal_that_was_damaged_on_its_way_is_noticed_before_the_right_one_is_p
     assert rig.state.fault == "grbl does not brake before the goal: it was told another one"
     assert highest < 45
     assert rig.state.rate == 0.0
+
+
+def test_a_position_out_of_reach_soon_after_a_long_pause_is_not_believed():
+    """Half a second is what a simulated grbl may take to make up for it, however long it was."""
+    bench = Bench().open()
+    poll, receive = bench.actuator.poll, bench.wire.receive
+    bench.actuator.poll = lambda now: None
+    bench.clock.sleep(10.0)
+    bench.actuator.poll = poll
+    bench.clock.sleep(1.0)
+    assert bench.state.healthy
+    bench.wire.receive = lambda: [*receive(), b"<Idle|MPos:60.000,0.000,0.000|FS:0,0>\r\n"]
+    bench.clock.sleep(3 * QUANTUM)
+    assert "a position out of reach" in bench.state.fault
+    assert bench.state.angle == 0.0

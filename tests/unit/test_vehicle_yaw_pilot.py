@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from examples import in_soak, rows_in_soak
+from ross_payload.actuators.vehicle_yaw.flight_watch import FlightWatch
+from ross_payload.actuators.vehicle_yaw.options import Options
 from ross_payload.errors import ActuatorFault
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_sim.autopilot.flight_modes import CENTRE
@@ -137,3 +139,17 @@ def test_a_stick_beside_its_centre_by_less_than_the_dead_band_is_nobody_s():
     bench.far_end.modes.stick = CENTRE + 15.0
     bench.turn(40.0)
     assert bench.yaw_deg == pytest.approx(40.0, abs=1.5)
+
+
+@pytest.mark.parametrize(("channel", "words"), [(0, "does not send HEARTBEAT"), (4, "does not tell the pilot's yaw")])
+def test_what_is_told_no_more_is_noticed_by_a_program_that_polls_seldom(channel, words):
+    """Every poll looks like the end of a pause; only the first one after a report excuses the next."""
+    watch = FlightWatch(Options(yaw_channel=channel), whom=VEHICLE, kind=3)
+    watch.on_read(10.0)
+    watch._mode_times = (9.9, 10.0)
+    watch._stick, watch._stick_times = 0.0, (9.95, 10.0)
+    for n in range(1, 8):
+        watch.on_read(10.0 + 0.11 * n)
+        if channel:
+            watch._mode_times = (9.9 + 0.11 * n, 10.0 + 0.11 * n)
+    assert words in watch.ignorance(10.0 + 0.11 * 7)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ross_payload.actuators.canopen_drive import drive_setup
 from ross_payload.actuators.canopen_drive.options import Options
-from ross_payload.actuators.driver_shell import HELD_UP_S, TIME_TOLERANCE_S
+from ross_payload.actuators.driver_shell import HELD_UP_S, MAX_CATCH_UP_S, TIME_TOLERANCE_S
 from ross_payload.interfaces import Port
 from ross_protocols.can import CanFrame
 from ross_protocols.canopen import cia402, frames
@@ -140,11 +140,13 @@ class DriveClient:
     def _look_for_pause(self, now: float) -> None:
         """Take in that nobody has read for a while: in a pause of the whole computer nothing arrived either.
 
-        What was to be sent meanwhile may come now, and a drive in another process of it makes up for the time.
+        What was to be sent meanwhile may come now, and a drive in another process of it makes up for the time. Only
+        the first pause since the drive was heard excuses its silence: who reads seldom is not held up.
         """
         pause = now - self._read_at
         if pause > HELD_UP_S:
-            self._paused_at, self._resumed_at, self._caught_up_at = self._read_at, now, now + pause
+            self._paused_at, self._caught_up_at = self._read_at, now + min(pause, MAX_CATCH_UP_S)
+            self._resumed_at = now if self.heard_at >= self._resumed_at else self._resumed_at
 
     def _sent_since(self, now: float) -> float:
         """Return after when what is read now was sent [s]."""

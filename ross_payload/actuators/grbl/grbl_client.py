@@ -6,7 +6,7 @@ import logging
 import math
 from collections.abc import Generator
 
-from ross_payload.actuators.driver_shell import HELD_UP_S
+from ross_payload.actuators.driver_shell import HELD_UP_S, MAX_CATCH_UP_S
 from ross_payload.actuators.grbl.line_protocol import LineProtocol
 from ross_payload.actuators.grbl.options import Options, complaint, slower
 from ross_payload.actuators.grbl.position_tracker import PositionTracker
@@ -70,7 +70,8 @@ class GrblClient:
     def read(self, now: float) -> str:
         """Take in what grbl says; return what is wrong, empty when all is well."""
         if now - self._now > HELD_UP_S:  # if it was the whole computer's, a simulated grbl on it makes up for the time
-            self._pause, self._caught_up_at = now - self._now, 2 * now - self._now
+            self._pause = min(now - self._now, MAX_CATCH_UP_S)
+            self._caught_up_at = now + self._pause
         self._now = now
         found = [self._on_message(message) for message in self._line.read(now)]
         trouble = next(filter(None, found), "")

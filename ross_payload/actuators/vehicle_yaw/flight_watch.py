@@ -73,6 +73,7 @@ class FlightWatch:
     _counts: dict[int, int] = field(default_factory=dict)  # messages since the last look
     _looked: float = -math.inf  # [s]
     _read_at: float = -math.inf  # when what arrives was read last [s]
+    _excused: tuple[float, float] = (-math.inf, -math.inf)  # the last times of mode and stick moved by a pause [s]
 
     @property
     def wanted_mode(self) -> int:
@@ -114,13 +115,18 @@ class FlightWatch:
             self._position = now, position
 
     def on_read(self, now: float) -> None:
-        """Call nothing late that could not arrive while nobody read: in a pause of the whole computer."""
+        """Call nothing late that could not arrive while nobody read: in a pause of the whole computer.
+
+        Only the first pause since a report excuses the next one: who reads seldom is not held up.
+        """
         pause, self._read_at = now - self._read_at, now
-        if HELD_UP_S < pause <= MAX_PAUSE_S:
-            before, last = self._mode_times
-            self._mode_times = before + pause, last + pause
-            before, last = self._stick_times
-            self._stick_times = before + pause, last + pause
+        if not HELD_UP_S < pause <= MAX_PAUSE_S:
+            return
+        if self._mode_times[1] != self._excused[0]:
+            self._mode_times = self._mode_times[0] + pause, self._mode_times[1] + pause
+        if self._stick_times[1] != self._excused[1]:
+            self._stick_times = self._stick_times[0] + pause, self._stick_times[1] + pause
+        self._excused = self._mode_times[1], self._stick_times[1]
 
     def position_at(self, now: float) -> Position | None:
         """Return where on earth the vehicle is; None: that was not told lately."""
