@@ -10,6 +10,7 @@ from ross_payload.errors import ActuatorFault
 from ross_protocols.dronecan.gimbal_messages import GimbalStatus
 from ross_protocols.dronecan.messages import NodeStatus, Status
 from ross_protocols.dronecan.node_messages import Decoder, Encoder
+from ross_sim.clock import QUANTUM
 
 MODEL = {"feedback": "model"}
 GIMBAL = {"command": "gimbal"}
@@ -138,6 +139,19 @@ def test_a_gimbal_that_is_opened_again_beyond_half_a_turn_is_where_it_was():
     assert math.degrees(rig.state.angle) == pytest.approx(195, abs=0.25)
     rig.go(50, 4.0)
     assert rig.true_deg == pytest.approx(50, abs=0.25)
+
+
+def test_a_gimbal_that_was_turned_by_hand_while_it_was_closed_is_inside_its_travel():
+    """The nearest turn to where it was would be 370 degrees, a fault until the payload is restarted."""
+    rig = Rig(**GIMBAL)
+    rig.go(195, 6.0)
+    rig.actuator.__exit__(None, None, None)
+    rig.far_end.port.receive()
+    rig.actuator.__enter__()
+    rig.far_end.port.receive = lambda: Encoder(SERVO).broadcast(GimbalStatus(0, math.radians(10)))
+    rig.clock.sleep(QUANTUM)
+    assert "outside its travel" not in rig.state.fault
+    assert math.degrees(rig.state.angle) == pytest.approx(10, abs=0.25)
 
 
 def test_a_gimbal_that_once_reports_no_attitude_is_on_the_same_turn_afterwards():

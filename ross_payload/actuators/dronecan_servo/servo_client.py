@@ -210,8 +210,21 @@ class ServoClient:
             return self._options.joint_at(report.position) if math.isfinite(report.position) else math.nan
         if not math.isfinite(report.yaw):
             return math.nan
-        self._last_joint += wrap(self._options.joint_at(report.yaw) - self._last_joint)
+        joint = self._last_joint + wrap(self._options.joint_at(report.yaw) - self._last_joint)
+        self._last_joint = joint if math.isfinite(self.report.joint) else self._inside(joint)
         return self._last_joint
+
+    def _inside(self, joint: float) -> float:
+        """Return the turn inside the travel that is nearest to a joint angle [rad], where one is.
+
+        While nobody listened the gimbal can have been turned by hand.
+        """
+        options = self._options
+        lower, upper = math.radians(options.lower_deg), math.radians(options.upper_deg)
+        if not lower - math.radians(options.max_lag_deg) <= joint <= upper + math.radians(options.max_lag_deg):
+            turns = (joint - 2 * math.pi, joint + 2 * math.pi)
+            return next((turn for turn in turns if lower <= turn <= upper), joint)
+        return joint
 
     def _on_node_status(self, status: messages.NodeStatus) -> None:
         if self._uptime is not None and status.uptime < self._uptime:
