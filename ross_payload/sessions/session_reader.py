@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -37,6 +37,11 @@ class Contents:
     missing: float = 0.0  # of the Inputs, those in which zeros stand for samples that never came [s]
     rounded: bool = False  # 24 bits did not hold every sample
     notes: tuple[str, ...] = ()  # one line each; empty: whole
+
+
+@dataclass(frozen=True, slots=True)
+class _NoField:
+    """Of a file of which only the directory is read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +95,7 @@ class RecordedSession:
         ConfigError
             When there is no audio, or an order is unknown to this program.
         """
-        wav, wiring, start = WavReader(self.path / "audio.wav"), ChannelMap.of(audio), 0
+        wav, wiring, start = self._audio(), ChannelMap.of(audio), 0
         for values in input_log.completed(self.lines(), wav.rate):
             raw = wav.read(start, values["n"])
             start += values["n"]
@@ -148,16 +153,35 @@ class RecordedSession:
     def rate(self) -> int:
         """Return the sampling rate [Hz] of the audio file; 16000 when there is none."""
         try:
-            return WavReader(self.path / "audio.wav").rate
+            return self._audio().rate
         except ConfigError:
             return 16_000
 
     def audio_length(self) -> int:
         """Return how many samples there are."""
         try:
-            return WavReader(self.path / "audio.wav").length
+            return self._audio().length
         except ConfigError:
             return 0
+
+    def _audio(self) -> WavReader:
+        return WavReader(self.path / "audio.wav")
+
+    def _unreadable(self) -> Iterator[str]:
+        for name in ("config.json", "events.jsonl", "audio.wav", "inputs.jsonl"):
+            if not (self.path / name).is_file():
+                yield f"{name}: missing"
+        readers: dict[str, Callable[[], object]] = {
+            "config.json": self.configuration,
+            "memory.npz": lambda: unpacked(self.path / "memory.npz", _NoField, others=True),
+            "audio.wav": self._audio,
+        }
+        for name, read in readers.items():
+            if (self.path / name).is_file():
+                try:
+                    read()
+                except ConfigError as error:
+                    yield str(error).removeprefix(f"{self.path}{os.sep}")
 
     def _notes(self, found: Contents, samples: int, length: int) -> Iterator[str]:
         known, rate = self.manifest, self.rate()
@@ -175,9 +199,9 @@ class RecordedSession:
             yield f"audio.wav: {(samples - length) / rate:.2f} s shorter than the Inputs"
         elif length > samples:
             yield f"audio.wav: {(length - samples) / rate:.2f} s longer than the Inputs: the excess is not used"
-        for name in ("config.json", "events.jsonl", "audio.wav", "inputs.jsonl"):
-            if not (self.path / name).is_file():
-                yield f"{name}: missing"
+        yield from self._unreadable()
+        if not found.inputs and (self.path / "inputs.jsonl").is_file():
+            yield "inputs.jsonl: holds no Input that can be read: there is nothing to replay"
         if found.rounded:
             yield "audio.wav: some samples did not fit into 24 bits: a replay may differ"
 

@@ -86,6 +86,19 @@ def test_a_line_whose_values_cannot_be_is_damaged(whole, damage):
     assert any("line 41" in note for note in whole.contents().notes)
 
 
+@pytest.mark.parametrize("name", ["config.json", "audio.wav", "inputs.jsonl", "memory.npz"])
+def test_an_emptied_file_is_said(whole, name):
+    assert not whole.contents().notes
+    (whole.path / name).write_bytes(b"")  # as a power cut leaves it
+    assert any(note.startswith(f"{name}: ") for note in whole.contents().notes)
+
+
+def test_a_configuration_that_was_cut_off_is_said(whole):
+    path = whole.path / "config.json"
+    os.truncate(path, path.stat().st_size - 5)
+    assert [note.split(":")[0] for note in whole.contents().notes] == ["config.json"]
+
+
 @pytest.mark.parametrize("key", [b"settled", b"time", b"joint", b"attitude"])
 def test_a_line_that_lacks_what_every_line_has_is_damaged(whole, key):
     path = whole.path / "inputs.jsonl"
