@@ -144,6 +144,23 @@ def test_a_jog_whose_end_of_the_line_was_lost_is_forgotten_by_homing():
     bench.go(0.2)
 
 
+@pytest.mark.parametrize("opened_before", [True, False])
+def test_a_homing_whose_end_of_the_line_was_lost_does_not_keep_grbl_from_homing(opened_before):
+    bench = Bench({22: 1}, zero="switch")
+    if opened_before:
+        bench.open()
+    bench.firmware.on_bytes(b"$H")
+    if not opened_before:
+        bench.open(2.0)
+    for _ in range(
+        2
+    ):  # each ends: grbl refuses the first, which leaves it in its state of homing, where it does not move
+        bench.actuator.home()
+        bench.clock.sleep(20.0)
+    bench.actuator.home()
+    bench.until(lambda: bench.state.homed and bench.state.settled, within=40.0)
+
+
 def test_half_a_line_that_somebody_left_does_not_hurt():
     bench = Bench()
     bench.end.port.send(b"G1 X5")

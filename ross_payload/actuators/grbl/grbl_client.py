@@ -151,6 +151,8 @@ class GrblClient:
         while self._line.waiting or not self._at_rest():
             if self._now > until:
                 self._line.waiting = False
+            if self.doing is protocol.State.HOME:  # it tells nothing while it homes: this one never began, nor ends
+                yield from self.reset()
             self.tracker.ours = True
             if self._now >= again:
                 again = self._now + CANCEL_PERIOD_S

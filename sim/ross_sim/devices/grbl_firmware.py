@@ -89,7 +89,7 @@ class Firmware:
 
     def tick(self) -> tuple[float, float]:
         """Live for one piece; return where the axis that turns was before and is after it [steps]."""
-        if self._asked and self.state is not State.HOME:
+        if self._asked and self._homing is None:
             self._asked = False
             self._send(self._report())
         if self._homing is not None:
@@ -172,7 +172,7 @@ class Firmware:
 
     def _read(self) -> None:
         """Take lines out of the buffer for as long as there is room for what they order."""
-        while self._received and self.motion.free and self.state not in (State.HOME, State.SLEEP):
+        while self._received and self.motion.free and self._homing is None and self.state is not State.SLEEP:
             byte = self._received.popleft()
             if byte not in b"\r\n":
                 self._line.append(byte)
@@ -220,10 +220,12 @@ class Firmware:
         elif command == "#":
             zeros = self._vector([0.0] * len(self._axes))
             self._send(*(f"[{name}:{zeros}]" for name in OFFSETS), "[TLO:0.000]", f"[PRB:{zeros}:0]")
-        elif command == "H":
+        elif command.startswith("H"):
             if not self.settings[HOMING]:
                 raise GcodeError(5)
             self.state = State.HOME
+            if command != "H":  # refused too late: it stays in that state, in which nothing moves, until a reset
+                raise GcodeError(3)
             self._homing = homing(self.motion, self.settings, self._turning, self._switch)
         elif command == "SLP":
             self.state = State.SLEEP
