@@ -74,12 +74,12 @@ def command(
         config = config.model_copy(update={"exploit": chosen})
     tau = delays(config, azimuths, heading, tdoas, sources)
     both = read_take(mixture), read_take(target)
-    config = at_rate(config, both[0].rate) if file is None else config
+    config = at_rate(config, both[0].rate if file is None else config.audio.rate_hz)
     with prepared(out) if out is not None else nullcontext():
         with threadpool_limits(1):
             pair = paired(*both, config.audio.rate_hz)
             found = evaluate(pair, config, tau, sources)
-        values = results.report(pair, found, config, azimuths)
+        values = results.report(pair, found, config, azimuths, files=out is not None)
         if out is not None:
             results.write(out, values, found, config.audio.rate_hz)
     if as_json:

@@ -31,10 +31,13 @@ NOISE = {"measured at the start of A": "noise measured at the start of the mixtu
 PACKAGES = ("ross-payload", "numpy", "scipy")
 
 
-def report(pair: Pair, found: Evaluation, config: Config, azimuths_deg: Sequence[float]) -> dict[str, Any]:
+def report(
+    pair: Pair, found: Evaluation, config: Config, azimuths_deg: Sequence[float], *, files: bool
+) -> dict[str, Any]:
     """Everything worth keeping, as plain values: no paths, the same on every rerun.
 
     ``azimuths_deg`` are those of the command line, clockwise; the report has them counter-clockwise, as all reports do.
+    ``files``: whether `write` follows.
     """
     rate = pair.mixture.rate
     return {
@@ -53,7 +56,7 @@ def report(pair: Pair, found: Evaluation, config: Config, azimuths_deg: Sequence
         "noise": "measured at the start of A" if found.noise_known else "unknown",
         "si_sdr_in_db": _rounded(found.before, 2),
         "groups": [_group(index, found) for index in range(len(found.groups))],
-        "notes": [*pair.notes, *_doubts(found), *_softer(found)],
+        "notes": [*pair.notes, *_doubts(found), *(_softer(found) if files else ())],
         "configuration": config.model_dump(mode="json", include={"array", "audio", "seed"}),
         "versions": {name: version(name) for name in PACKAGES},
     }

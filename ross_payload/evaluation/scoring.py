@@ -55,12 +55,12 @@ class Evaluation:
 
 
 def at_rate(config: Config, rate: int) -> Config:
-    """A configuration for recordings at another rate [Hz]: frames of about 0.1 s.
+    """A configuration for recordings at a rate [Hz]; where it tells no frame, one of about 0.1 s.
 
     >>> [at_rate(Config(), rate).audio.frame for rate in (16000, 24000, 48000)]
     [2048, 2048, 4096]
     """
-    update = {"rate_hz": rate, "frame": separation_frame(rate)}
+    update = {"rate_hz": rate, "frame": config.audio.frame or separation_frame(rate)}
     return config.model_copy(update={"audio": config.audio.model_copy(update=update)})
 
 

@@ -18,6 +18,7 @@ from ross_payload.interfaces import Real
 SHORTEST = 1.0  # of a take, and of what two takes have in common [s]
 LOWEST_RATE = 8000  # [Hz]
 SILENCE = 1e-5  # root mean square, -100 dB re full scale
+SAME = 1e-6  # part of the power of a channel that is not in the other where both are one, -60 dB: dither adds less
 ABSENT = 0.1  # correlation of two takes below which they have no talker in common; another voice reaches 0.05
 WHOLE = 0.1  # a delay this near to a whole number of samples is one
 REACH = 16  # samples of the correlation on either side that tell its fractional peak
@@ -103,9 +104,9 @@ def paired(mixture: Take, target: Take, rate: int) -> Pair:
     ------
     AudioError
         When less than a second of them overlaps, the target is not heard in the mixture, or both channels of the
-        mixture are the same.
+        mixture are the same but for their level and what a conversion adds.
     """
-    if np.array_equal(*mixture.samples):
+    if _correlation(*mixture.samples) ** 2 >= 1 - SAME:
         raise AudioError("mixture: both channels are the same: expected one per microphone")
     notes = tuple(
         f"{name}: resampled from {take.rate} to {rate} Hz"

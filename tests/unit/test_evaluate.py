@@ -179,6 +179,14 @@ def test_a_configuration_sets_the_rate_the_array_and_the_separator(scene, takes,
     assert resampled == ["mixture", "target"]
 
 
+@pytest.mark.parametrize(("told", "frame"), [("", 2048), ("frame = 1024\n", 1024)])
+def test_the_report_tells_the_frame_that_was_used(takes, scored, tmp_path, *, told, frame):
+    path = tmp_path / f"{frame}.toml"
+    path.write_text(f"[audio]\nrate_hz = 16000\n{told}")
+    values = scored(takes / "a.wav", takes / "b.wav", "--config", path, "--azimuth", 0)
+    assert values["configuration"]["audio"]["frame"] == frame
+
+
 def test_one_direction_separates_nothing_and_says_so(takes, scored):
     values = scored(takes / "b.wav", takes / "b.wav")
     assert len(values["groups"]) == 1
@@ -239,9 +247,19 @@ def test_voices_louder_than_full_scale_are_softer_in_the_files_and_not_cut_off(t
     np.testing.assert_allclose(voices[1], gain * np.array(voices[0]), rtol=0.02, atol=1e-4)
 
 
-def test_two_channels_that_are_the_same_are_refused(takes, run, tmp_path):
+def test_a_note_on_files_needs_files(takes, scored, tmp_path):
     samples, _ = soundfile.read(takes / "a.wav")
-    soundfile.write(tmp_path / "mono.wav", samples[:, [0, 0]], RATE, subtype="FLOAT")
+    soundfile.write(tmp_path / "loud.wav", 100 * samples, RATE, subtype="FLOAT")
+    assert scored(tmp_path / "loud.wav", takes / "b.wav", "--sources", 2)["notes"] == []
+
+
+@pytest.mark.parametrize(("level", "subtype"), [(1.0, "FLOAT"), (1.0, "PCM_16"), (0.9, "FLOAT"), (-1.0, "FLOAT")])
+def test_two_channels_that_are_the_same_are_refused(takes, run, tmp_path, level, subtype):
+    """Also after a conversion to 16 bits, which adds another dither to each, or where one of them is softer."""
+    samples, _ = soundfile.read(takes / "a.wav")
+    both = np.array([1.0, level]) * samples[:, [0, 0]]
+    dither = 2.0**-16 * np.random.default_rng(0).uniform(-1, 1, both.shape) if subtype == "PCM_16" else 0.0
+    soundfile.write(tmp_path / "mono.wav", both + dither, RATE, subtype=subtype)
     code, out, err = run(tmp_path / "mono.wav", takes / "b.wav", *DUET)
     assert (code, out) == (2, "")
     assert err == "ross: mixture: both channels are the same: expected one per microphone\n"
