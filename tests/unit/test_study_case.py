@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from ross_payload import plugins
+from ross_payload.config import Config
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Observation
+from ross_payload.separation.refiner_features import trained_for
+from ross_payload.service.assemble import tools_of
 from ross_sim.study.exploration import render
 from ross_sim.study.mixtures import record
 from ross_sim.study.result_rows import ALIGNED, ESTIMATED, UNALIGNED
@@ -201,6 +204,17 @@ def test_every_preset_is_complete_and_its_tasks_have_their_own_names(name):
     assert pickle.loads(pickle.dumps(made[-1])) == made[-1]  # noqa: S301
     small = tasks(chosen(name, {}, True))
     assert 0 < len(small) < len(made) or name == "quick"
+
+
+@pytest.mark.parametrize("rate", [8000, 16000, 24000, 32000, 44100, 48000])
+def test_a_study_separates_in_the_frames_of_a_payload_at_every_rate(rate):
+    """In others the rows of `refined` would be those of `gaussian`."""
+    payload = tools_of(
+        Config.model_validate({"audio": {"rate_hz": max(rate, 16000)}, "actuator": {"kind": "ideal"}}), None
+    )
+    assert trained_for(study(rate_hz=rate).stft.frequencies)
+    assert study(rate_hz=max(rate, 16000)).stft == payload.stft
+    assert study(rate_hz=rate, frame=1000).stft.frame == 1000
 
 
 def test_counts_of_tasks_are_products_of_the_axes():

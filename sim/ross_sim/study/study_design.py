@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field, field_validator
 
 from ross_payload import plugins
 from ross_payload.config import Explore, Positive, Table, read_toml, validated
-from ross_payload.dsp.stft import Stft
+from ross_payload.dsp.stft import Stft, separation_frame
 from ross_payload.errors import ConfigError, unknown
 from ross_payload.plugin_checks import CheckedExplorer, checked_explorer, load_separator
 from ross_sim.cache import fingerprint
@@ -53,7 +53,7 @@ class Study(Table):
     turn_deg: Annotated[float, Field(ge=90, le=3600)] = 540.0  # how far, back and forth
     run_s: Annotated[float, Field(ge=1, le=60)] = 10.0  # T_run
     rate_hz: Annotated[int, Field(ge=8000, le=48000)] = 24000
-    frame: Frame = 2048  # of the separation [samples]
+    frame: Frame | None = None  # of the separation [samples]; absent: as in the payload, a power of two near 0.1 s
     overlap: Overlap = 0.75
     explore_frame: Frame = 1024
     explore_overlap: Overlap = 0.75
@@ -88,7 +88,7 @@ class Study(Table):
     @property
     def stft(self) -> Stft:
         """The transform of the separation."""
-        return _transform(self.rate_hz, self.frame, self.overlap)
+        return _transform(self.rate_hz, self.frame or separation_frame(self.rate_hz), self.overlap)
 
     @property
     def explorer_stft(self) -> Stft:
