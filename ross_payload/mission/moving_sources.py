@@ -122,7 +122,8 @@ def _joined(context: Context, estimate: Estimate, listening: Listening, found: S
                 voices[source, begin:end] += weight * part
         made.append(groups)
     together = _together([groups.members for groups in made], estimate.k)
-    why = made[-1].why if len(made) == 1 else f"{made[-1].why}, in {len(made)} pieces"
+    pieces = "" if len(made) == 1 else f"in {len(made)} pieces"
+    why = ", ".join(filter(None, (made[-1].why, pieces)))
     joined = Groups(np.zeros((len(together), 1, 0), complex), together, made[-1].method, why)
     return joined, voices[[members[0] for members in together]]
 

@@ -30,8 +30,7 @@ class Auto:
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
         """Separate a recording (2, n_freqs, n_frames) by the method that suits it; `Groups.why` says why."""
         method, why = choose(scene)
-        groups = method.batch(spectrogram, scene)
-        return replace(groups, why=f"{why}; {groups.why}" if groups.why else why)
+        return _because(why, method.batch(spectrogram, scene))
 
     def live(self, lookahead: int = 1) -> LiveSeparator:
         """Return the best that separates frame by frame: `refined` where it may look ahead, else `gaussian`."""
@@ -46,7 +45,12 @@ class Algorithm2:
     def batch(self, spectrogram: Complex, scene: Scene) -> Groups:
         """Separate a recording (2, n_freqs, n_frames); `Groups.method` says which of the two it was."""
         method = natural_gradient_iva.separator if scene.n_sources <= MOST_SOURCES else duet.separator
-        return replace(method.batch(spectrogram, scene), why=f"K = {scene.n_sources}, as in Algorithm 2")
+        return _because(f"K = {scene.n_sources}, as in Algorithm 2", method.batch(spectrogram, scene))
+
+
+def _because(why: str, groups: Groups) -> Groups:
+    """The groups of the method that was chosen, with the reason before what that method says itself."""
+    return replace(groups, why=f"{why}; {groups.why}" if groups.why else why)
 
 
 separator = Auto()

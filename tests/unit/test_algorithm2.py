@@ -31,3 +31,10 @@ def test_up_to_three_sources_are_unmixed_and_more_are_masked(k: int, method) -> 
     assert groups.members == same.members
     np.testing.assert_array_equal(groups.signals, same.signals)
     assert f"K = {k}" in groups.why
+
+
+def test_the_reason_of_the_method_itself_is_told_too() -> None:
+    deaf = np.zeros((2, 65, 40), np.complex64)
+    unknown = Scene(np.linspace(0, 8000, 65), 0.05, 343.0, 4, None)
+    said = plugins.load("ross_payload.separators", "paper").batch(deaf, unknown).why
+    assert said == "K = 4, as in Algorithm 2; no delay found: the mixture as it is"

@@ -262,6 +262,7 @@ def test_a_period_is_separated_piece_by_piece_with_the_delays_of_each():
     assert all(tau[0] == pytest.approx(unit) for tau in heard)
     assert heard[0][1] > heard[-1][1]
     assert np.allclose(found.voices[1], 0.2, atol=0.01)  # faded into one another without a dip
+    assert found.groups.why == f"in {len(heard)} pieces"
     assert [score.members for score in found.scores] == [(0,), (1,)]
 
 
