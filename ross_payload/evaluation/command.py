@@ -35,7 +35,12 @@ axis, as long as all do. Exit codes: 0 done, 2 bad input, 1 the results could no
 )
 @click.option("--sources", type=click.IntRange(min=1, max=8), help="How many to look for when no direction is given.")
 @click.option("--separator", "-p", help="Separator, instead of the configuration's (auto).")
-@click.option("--config", "file", type=click.Path(path_type=Path), help="The payload's TOML file: array, rate, frames.")
+@click.option(
+    "--config",
+    "file",
+    type=click.Path(path_type=Path),
+    help="The payload's TOML file: array, gain, polarity, rate, frames.",
+)
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the separated voices and report.json.")
 @click.option("--json", "as_json", is_flag=True, help="Print only the report, as JSON.")
 def command(
@@ -62,6 +67,7 @@ def command(
 
     from threadpoolctl import threadpool_limits
 
+    from ross_payload.audio.channel_map import ChannelMap
     from ross_payload.config import Config, load
     from ross_payload.evaluation import results
     from ross_payload.evaluation.scoring import at_rate, delays, evaluate
@@ -73,7 +79,8 @@ def command(
         chosen = config.exploit.model_copy(update={"separator": separator})
         config = config.model_copy(update={"exploit": chosen})
     tau = delays(config, azimuths, heading, tdoas, sources)
-    both = read_take(mixture), read_take(target)
+    factors = ChannelMap.of(config.audio).factors
+    both = read_take(mixture, factors), read_take(target, factors)
     config = at_rate(config, both[0].rate if file is None else config.audio.rate_hz)
     with prepared(out) if out is not None else nullcontext():
         with threadpool_limits(1):

@@ -57,8 +57,8 @@ class Pair:
     notes: tuple[str, ...]  # what was done to the files, in words
 
 
-def read_take(path: Path) -> Take:
-    """Read a recording of two microphones; of a constant offset nothing is left.
+def read_take(path: Path, factors: tuple[float, float] = (1.0, 1.0)) -> Take:
+    """Read a recording of two microphones, of which ``factors`` are gain and polarity; no constant offset is left.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def read_take(path: Path) -> Take:
     """
     samples, rate = read_audio(path)
     _check(path, samples.T, rate)
-    return Take(without_offset(samples.T).copy(), rate)
+    return Take(without_offset(samples.T) * np.array(factors)[:, None], rate)
 
 
 def _check(path: Path, samples: Real, rate: int) -> None:

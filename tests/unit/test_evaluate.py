@@ -169,6 +169,18 @@ def test_a_quiet_start_of_the_mixture_tells_the_noise(scene, takes, scored, tmp_
     assert scored(takes / "a.wav", takes / "b.wav")["noise"] == "unknown"
 
 
+def test_gain_and_polarity_of_a_configuration_are_applied_to_both_files(scene, takes, scored, tmp_path):
+    for name in ("a.wav", "b.wav"):
+        take = read_take(takes / name)
+        write_wav(tmp_path / name, take.samples * np.array([[1.0], [-0.5]]), take.rate)
+    path = tmp_path / "ross.toml"
+    path.write_text(f"[audio]\nrate_hz = {RATE}\ngain_db = [0.0, 6.0206]\ninvert = [false, true]\n")
+    directions = known(scene[1])
+    right = scored(takes / "a.wav", takes / "b.wav", *directions)
+    wired = scored(tmp_path / "a.wav", tmp_path / "b.wav", "--config", path, *directions)
+    assert best(wired)["si_sdri_db"] == pytest.approx(best(right)["si_sdri_db"], abs=0.02)
+
+
 def test_a_configuration_sets_the_rate_the_array_and_the_separator(scene, takes, scored, tmp_path):
     path = tmp_path / "payload.toml"
     path.write_text('[audio]\nrate_hz = 16000\n[array]\nspacing_m = 0.04\n[exploit]\nseparator = "duet"\n')
