@@ -7,7 +7,7 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 from ross_payload.mavlink.component import Way
-from ross_payload.orders import Order
+from ross_payload.orders import Order, Task
 from ross_protocols.mavlink.commands import Command, Result
 from ross_protocols.mavlink.component_id import ComponentId
 
@@ -110,8 +110,8 @@ class Entry:
 
     @property
     def waits(self) -> bool:
-        """Whether it is to replace one that goes on."""
-        return self.kept is not None and self.kept.silent
+        """Whether it is a task that is to replace one that goes on."""
+        return self.kept is not None and self.kept.silent and isinstance(self.order, Task)
 
     @property
     def remembered(self) -> tuple[Entry, ...]:

@@ -214,7 +214,8 @@ class MissionCommands:
     def _repeated(self, command: Command, received: Received, now: float) -> bool:
         """Answer a command that is only sent again; tell whether it is."""
         known = None if self._origin is None else self._recent.repeated(command, self._origin, now)
-        if known is not None and not known.waits and not known.silent:
+        goes_on = known is not None and known.order is not None and not isinstance(known.order, Task)
+        if known is not None and (goes_on or not (known.waits or known.silent)):
             self._send(known)
         return known is not None
 
@@ -267,6 +268,7 @@ class MissionCommands:
     def _close(self, entry: Entry, event: Answered) -> None:
         """Tell the sender how its command ended."""
         del self._open[event.order]
+        waited = entry.waits
         entry.order, entry.result, entry.time = None, FINAL[event.answer], self._now
         entry.lost = self._frames.lost(entry.origin)
         if entry.silent:
@@ -276,7 +278,7 @@ class MissionCommands:
             entry.kept = None
             return
         self._explain(entry.command, event.reason)
-        if entry.kept is not None and entry.kept.silent:  # it goes on, or has ended meanwhile
+        if waited and entry.kept is not None:  # it goes on, or has ended meanwhile
             entry.kept.silent = False
             self._report(entry.kept)
 

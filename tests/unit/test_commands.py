@@ -240,6 +240,17 @@ def test_a_cancel_is_accepted_when_it_is_in_effect_and_another_task_is_welcome_a
     assert payload.command(TURN, -10)[-1] == ACCEPTED
 
 
+def test_who_cancels_once_more_while_the_first_cancel_waits_goes_on_hearing_of_it(payload):
+    payload.command(TURN, 90, seconds=0.1)
+    payload.computing = True
+    payload.command(CANCEL, seconds=0.5)
+    payload.command(CANCEL, seconds=0.5)
+    assert payload.results(CANCEL, 1.2) == [IN_PROGRESS]
+    assert payload.command(CANCEL, seconds=0.05, confirmation=1) == [IN_PROGRESS]
+    payload.computing = False
+    assert payload.results(CANCEL) == [ACCEPTED]
+
+
 def test_a_cancelled_task_can_be_followed_by_another(payload):
     payload.command(TURN, 90, seconds=0.1)
     payload.command(CANCEL, seconds=0.1)
