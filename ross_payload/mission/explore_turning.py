@@ -9,11 +9,12 @@ import math
 
 from ross_payload.events import Estimate, State, TurnStarted
 from ross_payload.interfaces import TurningExplorer
-from ross_payload.mission.context import Context, Step, hop
+from ross_payload.mission.context import Context, Step, hop, turn
+from ross_payload.mission.heading_control import STILL
 from ross_payload.mission.heard_turning import HeardTurning
 from ross_payload.mission.orientation_scan import believe, certain, observe_turned, say_belief
 from ross_payload.mission.pipeline import Visits, promising, visit
-from ross_payload.mission.sweep import Sweep, sweep_from
+from ross_payload.mission.sweep import IN_TIME, Sweep, sweep_from
 
 
 def explore_turning(context: Context, explorer: TurningExplorer) -> Step[tuple[Estimate, int | None]]:
@@ -33,6 +34,8 @@ def explore_turning(context: Context, explorer: TurningExplorer) -> Step[tuple[E
                 return context.beliefs[-1], source
             turning, before, sweep.due = HeardTurning(context.settings.rate), list(context.explored), True
             continue
+        if sweep.due:
+            yield from _to_sweep(context, sweep)
         yield from _period(context, sweep, turning)
         left -= 1
         believe(context, observe_turned(context, explorer, turning.period()))
@@ -40,6 +43,17 @@ def explore_turning(context: Context, explorer: TurningExplorer) -> Step[tuple[E
         say_belief(context, final=not left or certain(context))
     yield from hop(context, halt=True)
     return context.beliefs[-1], None
+
+
+def _to_sweep(context: Context, sweep: Sweep) -> Step[None]:
+    """Turn to where it turns back and forth, where the way to its next end is too long at its rate.
+
+    So it may be from beyond a limit, and after an alignment that was visited.
+    """
+    joint, settings = context.pointing.joint, context.settings
+    if abs(sweep.goal - joint) > IN_TIME * settings.longest_move * sweep.rate + STILL:
+        context.enter(State.EXPLORE_TURN, "to where it turns back and forth")
+        yield from turn(context, min(max(joint, min(sweep.ends)), max(sweep.ends)), "to where it turns back and forth")
 
 
 def _period(context: Context, sweep: Sweep, turning: HeardTurning) -> Step[None]:

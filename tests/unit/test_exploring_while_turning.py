@@ -213,6 +213,28 @@ def test_who_stands_beyond_a_limit_sweeps_from_there(joint, ends):
     assert np.rad2deg(sweep.ends) == pytest.approx(ends)
 
 
+def test_a_way_to_the_nearer_limit_that_is_too_long_is_not_turned_at_the_rate_of_listening():
+    settings = replace(TURNING, lower=np.deg2rad(60), upper=np.deg2rad(240), turn_rate=np.deg2rad(5), longest_move=12)
+    one = table(settings=settings)
+    one.run()
+    sent = [(round(np.rad2deg(o.goal)), o.rate) for o in one.outputs if o.goal is not None]
+    assert sent[:2] == [(60, None), (108, settings.turn_rate)]
+
+
+def test_nor_is_a_way_back_from_an_alignment_that_was_visited():
+    settings = replace(TURNING, turn_rate=np.deg2rad(10), longest_move=3, pipelined=True, periods=6)
+    explorer, stft = HearsTurning(certain=False, patience=1), Stft(RATE, 512, 128)
+    one = Turntable(mission(settings, Tools(explorer, stft, OneGroupEach(), stft, Likes(9), turning=explorer)))
+    one.run()
+    joint, slow = 0.0, []
+    for output in one.outputs:
+        if output.goal is not None:
+            slow += [abs(output.goal - joint)] if output.rate else []
+            joint = output.goal
+    assert len(one.said(Checked)) > 1
+    assert max(slow) <= np.deg2rad(10 * 3)
+
+
 def test_no_move_takes_longer_than_the_guard_bears():
     sweep = sweep_from(replace(TURNING, turn_rate=np.deg2rad(5.0), longest_move=20.0), 0.0)
     assert abs(sweep.ends[0]) / sweep.rate <= 16.0 + 1e-9
