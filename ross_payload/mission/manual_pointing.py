@@ -90,9 +90,16 @@ class _SetPointController:
         """Follow this set-point from here."""
         if self.point.joint is None and self.point.heading is None:
             self._goal = self._context.pointing.joint
-        self.point = replace(point, rate=_sensible(point))
+        self.point = replace(point, rate=0.0 if self._leads_out(point) else _sensible(point))
         self._start, self._since = self._context.pointing.joint, self._context.time
         self._asked = math.nan  # joint angle that the motor was asked for [rad]
+
+    def _leads_out(self, point: Point) -> bool:
+        """Whether a rate alone leads further beyond a limit: to turn back to it would be the opposite."""
+        if point.joint is not None or point.heading is not None or not point.rate:
+            return False
+        settings, joint = self._context.settings, self._context.pointing.joint
+        return joint > settings.upper if point.rate > 0 else joint < settings.lower
 
     def wish(self) -> Output:
         """Return what to ask of the motor now, if anything."""

@@ -135,6 +135,14 @@ def test_a_heading_is_held_while_the_base_turns(bench):
     assert [one.heading(time) for time in (4.0, 7.0, 11.0)] == pytest.approx([60] * 3, abs=1.0)
 
 
+def test_a_rate_that_leads_further_beyond_a_limit_turns_nothing(bench):
+    one = bench(guard={"lower_deg": -200, "upper_deg": -60, "park_deg": -60})
+    one.live(12.0, one.order(0.5, Point(rate=deg(30), number=1)), one.order(5.0, Point(rate=deg(-30), number=2)))
+    assert one.angle(4.9) == 0.0
+    assert one.angle(11.0) < -150
+    assert one.answers(1)[-1] is Answer.DONE
+
+
 @pytest.mark.parametrize("rate", [0.02, -0.05])
 @pytest.mark.parametrize("wanted", [170, -120])
 def test_a_heading_that_is_ordered_is_not_the_opposite_one_on_a_base_that_turns(bench, rate, wanted):
