@@ -16,6 +16,7 @@ from ross_payload.mission.context import Context, Ended, Step, exchange, hop, li
 from ross_payload.mission.enrol_talker import NotEnrolled, enrol_source
 from ross_payload.mission.exploit import deliver
 from ross_payload.mission.explore import lead_in
+from ross_payload.mission.heading_control import BEARABLE
 from ross_payload.mission.heading_hold import attend, face, face_alignment
 from ross_payload.mission.manual_pointing import by_hand, unreachable
 from ross_payload.mission.mission_sequence import attempts
@@ -29,6 +30,7 @@ LEAST_NOISE = 0.5  # [s] that tell anything about a noise
 HOMING = 120.0  # [s] that finding the zero may take
 FAULT = 2.0  # [s] that a fault may last which begins while the zero is found
 OUTSIDE = "this heading is outside the limits of the joint"
+MISSED = "the vehicle turned away: this heading was not reached"
 TOO_MANY = f"{MOST_SOURCES} sources are known, none of them there: explore first"
 NO_CONSENT = "nobody is enrolled who has not agreed to it"
 STILL_FAULTY = (orders.Home,)  # may be ordered while there is a fault
@@ -222,6 +224,8 @@ def _point(context: Context, heading: float) -> Step[Result]:
         raise TaskRefused(OUTSIDE)
     context.enter(State.TURN, "heading ordered")
     yield from face(context, heading, joint, "heading ordered")
+    if abs(wrap(heading - context.pointing.heading)) > max(BEARABLE, context.settings.follow):
+        raise TaskRefused(OUTSIDE if _joint_for(context, heading) is None else MISSED)
     return Result(Outcome.COMPLETED, "heading reached")
 
 

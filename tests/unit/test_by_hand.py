@@ -8,6 +8,7 @@ import pytest
 
 from examples import in_soak
 from hand_bench import Base, HandBench
+from ross_payload.angles import wrap
 from ross_payload.events import Answer, Finished, State
 from ross_payload.orders import Cancel, Explore, Home, Point, Rearm, Stop, TurnTo
 from ross_payload.sessions.input_log import order_of
@@ -151,6 +152,18 @@ def test_a_heading_that_is_ordered_is_not_the_opposite_one_on_a_base_that_turns(
     assert bench.answers(1)[-1] is Answer.DONE
     reached = next(event.time for event in bench.events if isinstance(event, Finished))
     assert bench.heading(reached + 0.05) == pytest.approx(wanted, abs=3)
+
+
+@pytest.mark.parametrize(
+    ("rate", "why"), [(0.6, "outside the limits of the joint"), (0.9, "the vehicle turned away"), (0.1, "reached")]
+)
+def test_a_heading_that_a_limit_keeps_the_array_from_is_not_reached(bench, rate, why):
+    one = bench(Base(0.0, rate), guard={"lower_deg": -100, "upper_deg": 60, "max_speed_deg_s": 30})
+    one.live(15.0, one.order(0.5, TurnTo(deg(50), number=1)))
+    over = next(event for event in one.events if isinstance(event, Finished))
+    assert why in over.reason
+    reached = abs(wrap(deg(one.heading(over.time + 0.05) - 50))) < deg(5)
+    assert one.answers(1)[-1] is (Answer.DONE if reached else Answer.FAILED)
 
 
 def test_a_heading_needs_to_know_where_the_base_points(bench):
