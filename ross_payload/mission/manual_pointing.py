@@ -92,7 +92,7 @@ class _SetPointController:
             self._goal = self._context.pointing.joint
         self.point = replace(point, rate=0.0 if self._leads_out(point) else _sensible(point))
         self._start, self._since = self._context.pointing.joint, self._context.time
-        self._asked = math.nan  # joint angle that the motor was asked for [rad]
+        self._asked, self._asked_at = math.nan, -math.inf  # joint angle asked of the motor [rad], and when [s]
 
     def _leads_out(self, point: Point) -> bool:
         """Whether a rate alone leads further beyond a limit: to turn back to it would be the opposite."""
@@ -109,10 +109,16 @@ class _SetPointController:
             return Output(halt=not halted)
         self._goal = self._meant()
         asked = self._within_reach()
-        if asked == self._asked or abs(asked - self._asked) <= self._tolerance(asked):
+        known = asked == self._asked or abs(asked - self._asked) <= self._tolerance(asked)
+        if known and not (self._is_beyond() and self._context.time - self._asked_at >= RENEW):
             return Output()
-        self._asked = asked
+        self._asked, self._asked_at = asked, self._context.time
         return Output(goal=asked, rate=abs(self.point.rate) if self.point.rate else None)
+
+    def _is_beyond(self) -> bool:
+        """Whether it comes back at a rate from beyond a limit, which is the nearest that it can be asked for."""
+        settings, joint = self._context.settings, self._context.pointing.joint
+        return bool(self.point.rate) and not settings.lower <= joint <= settings.upper
 
     def over(self) -> bool:
         """Tell whether nothing is left to do."""

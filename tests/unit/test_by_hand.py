@@ -144,6 +144,13 @@ def test_a_rate_that_leads_further_beyond_a_limit_turns_nothing(bench):
     assert one.answers(1)[-1] is Answer.DONE
 
 
+def test_a_slow_rate_from_far_beyond_a_limit_may_take_longer_than_a_move(bench):
+    one = bench(guard={"lower_deg": 30, "upper_deg": 200, "park_deg": 30, "max_move_s": 5})
+    one.live(25.0, one.order(0.5, Point(joint=deg(40), rate=deg(2), number=1)))
+    assert one.answers(1)[-1] is Answer.DONE
+    assert [one.angle(time) for time in (5.5, 10.5, 24.0)] == pytest.approx([10, 20, 40], abs=1.5)
+
+
 @pytest.mark.parametrize("rate", [0.02, -0.05])
 @pytest.mark.parametrize("wanted", [170, -120])
 def test_a_heading_that_is_ordered_is_not_the_opposite_one_on_a_base_that_turns(bench, rate, wanted):
