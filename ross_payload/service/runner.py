@@ -137,9 +137,11 @@ class Runner:
             self._actuator.stop()
         elif isinstance(order, Cancel):
             self._actuator.halt()
-        if self._latch is not None:  # after the brakes: no disk delays them
-            self._latch.ordered(order)
-        self._orders.put(order)
+        try:
+            if self._latch is not None:  # after the brakes: no disk delays them
+                self._latch.ordered(order)
+        finally:
+            self._orders.put(order)  # a mission that never hears of a stop takes itself for turning
 
     def poll(self) -> None:
         """Poll the actuator and remember where it is."""
@@ -183,7 +185,8 @@ class Runner:
         block = self._source.read(self._hop)
         end = block.time + self._hop / self._source.rate
         state = self._actuator.state()
-        still = goal is None and block.time >= self._asked - ROUNDING_S and state.settled
+        stopping = self._stopping  # what it was sent to meanwhile was refused, and is not reached
+        still = goal is None and block.time >= self._asked - ROUNDING_S and state.settled and not stopping
         attitude, after = self._mount.attitude(block.time), self._mount.attitude(end)
         if after.known != attitude.known:  # one hop is in one frame
             after = attitude

@@ -272,6 +272,50 @@ def test_a_goal_that_meets_a_stop_which_is_not_queued_yet_is_no_fault(bench):
     assert far_end.angle() == 0.0
 
 
+def test_what_a_stop_on_its_way_has_kept_the_array_from_is_not_reached(bench):
+    brakes = SlowBrakes()
+
+    def turns(goal):
+        yield Output()
+        operator = threading.Thread(target=runner.order, args=(Stop(),))
+        operator.start()
+        assert brakes.pressed.wait(10)
+        heard = yield Output(goal=goal)
+        for _ in range(20):
+            heard = yield Output()
+            assert not heard.settled
+        brakes.goes_on.set()
+        operator.join()
+        heard = yield Output()
+        assert heard.orders == (Stop(),)
+        heard = yield Output()
+        yield Output(stop=True)
+        return Result(Outcome.STOPPED, f"{heard.settled}")
+
+    runner, _, far_end = bench(turns(1.0))
+    runner._latch = brakes
+    assert runner.run().reason == "True"
+    assert far_end.angle() == 0.0
+
+
+def test_a_stop_that_cannot_be_saved_is_heard_of_all_the_same(bench):
+    class Full:
+        def ordered(self, order):
+            raise RuntimeError("can't start new thread")
+
+    def hears():
+        yield Output()
+        with pytest.raises(RuntimeError):
+            runner.order(Stop())
+        heard = yield Output()
+        yield Output(stop=True)
+        return Result(Outcome.STOPPED, f"{heard.orders == (Stop(),)}")
+
+    runner, _, _ = bench(hears())
+    runner._latch = Full()
+    assert runner.run().reason == "True"
+
+
 def slips(angle):
     heard = yield Output()
     heard = yield Output(slipped=angle)
