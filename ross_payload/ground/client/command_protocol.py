@@ -187,9 +187,10 @@ class CommandProtocol:
         """Send an order, first or again.
 
         What is done at once is harmless when done twice, and must not be taken for its like of a moment ago: arm,
-        stop, arm. A task must not be done twice.
+        stop, arm. A task must not be done twice, and a cancel that was heard must not meet what began since.
         """
-        new = one.repeated and not one.order.task
+        heard = isinstance(one.order, Cancel) and one.answered is not None
+        new = one.repeated and not (one.order.task or heard)
         one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, Stop) else ACK_TIMEOUT_S)
         confirmation = 0 if new else min(one.sent, 255)
         one.sent += 1
@@ -229,7 +230,9 @@ class CommandProtocol:
             one.due = self._now + PROGRESS_POLL_S
 
     def _is_overtaken(self, one: _OpenCommand) -> bool:
-        """Whether a later one may have replaced it: said again, it would be done in the place of that."""
+        """Whether a later one may have replaced it: said again, it would be done in the place of that, or cancel it."""
+        if isinstance(one.order, Cancel):
+            return any(each.number > one.number and each.who == one.who for each in self.doing)
         alike = (other for other in self._of(one.who) if other.order.number == one.order.number)
         return one.order.task and (one.unheard or any(other.number > one.number for other in alike))
 

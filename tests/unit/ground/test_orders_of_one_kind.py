@@ -172,3 +172,32 @@ def test_of_start_and_stop_recording_the_later_one_is_meant(script):
     script.wait(3)
     assert {message.param1 for at, message in script.heard if at > 0.5} == {0.0}
     assert script.states()[0] == "cancelled"
+
+
+def cancels_twice(script):
+    """The second cancel waits for a computation, and its end is lost."""
+    script.orders.order(WHO, Cancel())
+    script.ack(Cancel.number, Result.ACCEPTED)
+    script.wait(5.0)
+    script.orders.order(WHO, Cancel())
+    script.ack(Cancel.number, Result.IN_PROGRESS)
+    script.wait(1.0)
+
+
+def test_a_cancel_that_was_heard_is_asked_for_as_the_same_one(script):
+    """It may have been the last of what the payload had to end: somebody else may have begun something since."""
+    cancels_twice(script)
+    script.wait(2.0)
+    assert [message.confirmation for _, message in script.heard][:2] == [0, 0]
+    assert all(message.confirmation for _, message in script.heard[2:])
+    script.ack(Cancel.number, Result.ACCEPTED)
+    assert script.states() == ["done", "done"]
+
+
+def test_a_cancel_that_was_heard_is_not_said_again_after_what_was_ordered_since(script):
+    cancels_twice(script)
+    script.orders.order(WHO, Explore())
+    for _ in range(60):
+        script.ack(Explore.number, Result.IN_PROGRESS)
+        script.wait(0.1)
+    assert [message.command for _, message in script.heard][2:] == [Explore.number]
