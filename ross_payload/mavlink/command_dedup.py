@@ -18,6 +18,7 @@ RESTARTED_AFTER_S = (
     0.5  # [s] without a later frame, after which the number 0 is the first of a sender that has restarted
 )
 LOWER = 3.0  # [s] without a later frame, after which any lower number is one of such a sender
+MOST_CONFIRMATION = 255  # where a sender stops counting
 MOST_PAST = 4  # commands before the latest one of a number that are remembered
 MOST = 256  # commands, and senders, that are remembered: random ids cannot fill the memory
 
@@ -142,9 +143,12 @@ class RecentCommands:
     def repeated(self, command: Command, origin: Origin, now: float) -> Entry | None:
         """Return the entry that a frame only repeats: sent again, or doubled or delayed on its way."""
         latest = self.find(origin.sender, command.number)
-        for entry in () if latest is None else latest.remembered:
-            if not alike(entry.command, command):
-                continue
+        if latest is None:
+            return None
+        for entry in latest.remembered:
+            over = entry is not latest and entry.order is None and alike(latest.command, command)
+            if over or not alike(entry.command, command):
+                continue  # it was answered, and its like was refused since
             if _is_late(entry, command, origin, now):
                 return entry
             if self._again(entry, command, origin, now):
@@ -177,7 +181,8 @@ class RecentCommands:
             return True
         if origin.way != entry.origin.way:
             return age < RESENT
-        if command.confirmation <= entry.command.confirmation or origin.not_after(entry.origin):
+        least = min(entry.command.confirmation + 1, MOST_CONFIRMATION)
+        if command.confirmation < least or origin.not_after(entry.origin):
             return False  # its sender counts from 0 again, and the first were lost
         lost = origin.lost - (entry.origin.lost if entry.lost is None else entry.lost)
         return age < (DOUBTED if lost >= command.confirmation else RESENT)

@@ -277,3 +277,19 @@ def test_on_a_bad_link_every_command_is_obeyed_once_and_its_end_is_told(sky, odd
         payload.wait(6.0)  # so that a confirmation cannot be taken for the last but one command
     done = Counter(("turn", round(-math.degrees(order.heading))) for order in payload.given)
     assert done + Counter(("record", int(on)) for on in payload.recorded) == wanted
+
+
+def test_the_confirmation_of_what_was_refused_is_not_answered_with_the_end_of_its_like_before(payload):
+    assert payload.command(TURN, 40, seconds=1.0)[-1] == ACCEPTED
+    payload.command(STOP, seconds=0.1)
+    assert payload.command(TURN, 40, seconds=0.1) == [TEMPORARILY_REJECTED]
+    assert payload.command(TURN, 40, seconds=0.1, confirmation=1) == [TEMPORARILY_REJECTED]
+
+
+def test_the_highest_confirmation_may_come_any_number_of_times(payload):
+    """A task of hours on a bad link is asked for more often than a byte can count."""
+    payload.command(TURN, 40, seconds=0.1)
+    payload.command(TURN, 40, seconds=0.1, confirmation=255)
+    payload.wait(3.0)
+    assert payload.command(TURN, 40, seconds=0.1, confirmation=255) == [ACCEPTED]
+    assert len(payload.given) == 1

@@ -5,7 +5,8 @@
 A link loses frames and doubles them, and an acknowledgement names its command but not which one of several alike. So a
 frame is sent again until it is answered, and so is one whose answers ended too early; within `DEDUP_S` the payload
 answers what is said again once more and does not do it again. A final answer so soon that it may be one to the order
-before is asked for again. After that time nothing is sent again: the payload would take it for a new order.
+before is asked for again. After that time nothing is sent again: the payload would take it for a new order. Nor is what
+a later order has ended or undone, unless the payload is known to have it: then a high confirmation says so.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from ross_payload.ground.client.command_status import (
     CommandStatus,
     reason_in,
 )
-from ross_payload.ground.client.command_types import Cancel, Order, Rearm, Stop
+from ross_payload.ground.client.command_types import Cancel, Order, Rearm, Stop, undoes
 from ross_payload.ground.model.payload_state import PayloadState, StatusText
 from ross_payload.ground.model.status_text import EXPLANATION_S, RecentTexts
 from ross_protocols.mavlink.codec import Packet
@@ -46,6 +47,8 @@ STOP_ACK_TIMEOUT_S, STOP_RESENDS = 0.2, 10
 STOP_SEARCH_S = 30.0  # [s] that a stop is sent to a payload that was never heard; when it is, all tries are before it
 PROGRESS_TIMEOUT_S, PROGRESS_POLL_S = 2.0, 0.5  # [s] without progress until it is asked for, and how often
 DEDUP_S = 4.0  # [s] within which the payload knows what is said again: it remembers for 5, and a frame may be late
+HEARD = 128  # added to the confirmation of what the payload has: more than the frames that it may have missed meanwhile
+MOST_CONFIRMATION = 255
 REPEATED_S = 10.0  # [s] after an order, in which the payload may take its like that is said again for it
 LATE_ACK_S = 1.0  # [s] after the end of an order, in which an answer to the next of its kind may be one to it
 MOST_STATUSES = 50
@@ -62,6 +65,7 @@ class _OpenCommand:
     due: float  # when it is said again [s]
     repeated: bool  # its like ended a moment ago: what the payload remembers may be that
     trusted: float  # [s]: a final answer before may be a late one to its like
+    after_done: bool  # its like was done: a refusal is none of that
     refusable: float = -math.inf  # [s]: a refusal before may be that of a later one of its kind, doubled
     sent: int = 0  # frames
     answered: float | None = None  # the latest time [s]
@@ -69,6 +73,8 @@ class _OpenCommand:
     cancelling: int = 0  # COMMAND_CANCEL, so often
     over: bool = False  # given up, until something is heard after all
     unheard: bool = False  # it was given up without an answer: said again later, it might be a new order
+    heard: bool = False  # the payload has it: what it says about it can be about nothing else
+    undone: set[int] = field(default_factory=set)  # by these later orders, or said again it would end or undo them
 
     @property
     def sure(self) -> bool:
@@ -82,7 +88,7 @@ class _Peer:
 
     boots: int | None = None
     texts: RecentTexts = field(default_factory=RecentTexts)
-    ended: dict[int, float] = field(default_factory=dict)  # when [s], by MAV_CMD
+    ended: dict[int, tuple[float, str]] = field(default_factory=dict)  # when [s] and how, by MAV_CMD
     sent: dict[int, float] = field(default_factory=dict)  # when [s], by MAV_CMD
 
 
@@ -129,8 +135,8 @@ class CommandProtocol:
         self._doing[self._count] = CommandStatus(self._count, who, order, SENT, self._now, self._now)
         self._open[self._count] = _OpenCommand(
             self._count, who, order, self._now,
-            repeated=self._now - peer.sent.get(number, -math.inf) < REPEATED_S,
-            trusted=self._trusted(peer, order),
+            self._now - peer.sent.get(number, -math.inf) < REPEATED_S,
+            *self._trusted(peer, order),
         )  # fmt: skip
         peer.sent[number] = self._now
         self._send_order(self._open[self._count])
@@ -187,12 +193,12 @@ class CommandProtocol:
         """Send an order, first or again.
 
         What is done at once is harmless when done twice, and must not be taken for its like of a moment ago: arm,
-        stop, arm. A task must not be done twice, and a cancel that was heard must not meet what began since.
+        stop, arm. A task must not be done twice, nor what the payload has already and a later order may follow.
         """
-        heard = isinstance(one.order, Cancel) and one.answered is not None
+        heard = one.heard or (isinstance(one.order, Cancel) and one.answered is not None)
         new = one.repeated and not (one.order.task or heard)
         one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, Stop) else ACK_TIMEOUT_S)
-        confirmation = 0 if new else min(one.sent, 255)
+        confirmation = 0 if new else min(one.sent + (HEARD if one.heard else 0), MOST_CONFIRMATION)
         one.sent += 1
         who = one.who
         self._send(long_message(one.order.number, one.order.numbers, who, confirmation), who)
@@ -204,10 +210,13 @@ class CommandProtocol:
         have been heard all the same: it stays open for its answers.
         """
         for one in self._of(who):
+            one.undone |= {self._count + 1} if undoes(order, one.order) else set()
             overtaken = self._doing[one.number].reason == OVERTAKEN
             unanswered = one.answered is None and not one.over
             if (unanswered or overtaken) and isinstance(order, Stop) and not isinstance(one.order, Stop):
                 self._end(one, CANCELLED, AFTER_STOP)
+                for other in (other for other in self._of(who) if other.order.number == one.order.number):
+                    other.refusable = self._now + LATE_ACK_S
             elif unanswered and isinstance(one.order, Cancel):
                 self._end(one, NO_ANSWER, OVERTAKEN)
             elif not one.over and order.replaces(one.order):
@@ -230,9 +239,11 @@ class CommandProtocol:
             one.due = self._now + PROGRESS_POLL_S
 
     def _is_overtaken(self, one: _OpenCommand) -> bool:
-        """Whether a later one may have replaced it: said again, it would be done in the place of that, or cancel it."""
+        """Whether a later one may have replaced, ended or undone it: said again, it would be done after that."""
         if isinstance(one.order, Cancel):
             return any(each.number > one.number and each.who == one.who for each in self.doing)
+        if one.undone and not one.heard:
+            return True
         alike = (other for other in self._of(one.who) if other.order.number == one.order.number)
         return one.order.task and (one.unheard or any(other.number > one.number for other in alike))
 
@@ -247,15 +258,21 @@ class CommandProtocol:
         self._send(cancel_message(one.order.number, one.who), one.who)
 
     def _give_up(self, one: _OpenCommand, reason: str = "") -> None:
+        if one.undone and one.answered is not None:
+            self._end(one, NO_ANSWER, NO_RESULT)  # it has ended: what is heard from now on is about later ones
+            return
         one.over, one.due = True, math.inf
         one.unheard = one.unheard or one.answered is None
         self._change(one, NO_ANSWER, reason or (NOT_ANSWERED if one.answered is None else NO_RESULT))
 
-    def _trusted(self, peer: _Peer, order: Order) -> float:
-        """Return from when on a final answer is one to this order; a stop is only in doubt after it was re-armed."""
-        ended = peer.ended.get(order.number, -math.inf)
+    def _trusted(self, peer: _Peer, order: Order) -> tuple[float, bool]:
+        """Return from when on a final answer is one to this order, and whether its like before was done.
+
+        A stop is only in doubt after it was re-armed.
+        """
+        ended, how = peer.ended.get(order.number, (-math.inf, ""))
         armed = peer.sent.get(Rearm.number, -math.inf) >= ended > -math.inf
-        return ended + LATE_ACK_S if armed or not isinstance(order, Stop) else -math.inf
+        return ended + LATE_ACK_S if armed or not isinstance(order, Stop) else -math.inf, how == DONE
 
     # ------------------------------------------------------------------------------------------------ hearing
 
@@ -278,8 +295,12 @@ class CommandProtocol:
         elif not going_on:
             newest.doubted = newest.doubted or newest.sent  # asked once more: the answer may be to one before
         else:
-            self._is_over(going_on[-1], going_on[:-1], ack.result)
-            newest.trusted = self._trusted(self._peer(who), newest.order)  # the end may come doubled
+            *others, latest = going_on
+            if latest.unheard:  # it was taken for begun without asking, and is not known to be
+                self._end(latest, NO_ANSWER, NO_RESULT)
+            else:
+                self._is_over(latest, others, ack.result)
+            newest.trusted, newest.after_done = self._trusted(self._peer(who), newest.order)  # the end may come doubled
 
     def _goes_on(self, one: _OpenCommand, progress: float | None, older: list[_OpenCommand]) -> None:
         """Take an order for begun; beside an older one of its kind it is asked once more: the answer may be to that.
@@ -289,6 +310,7 @@ class CommandProtocol:
         first, given_up, one.over = one.answered is None, one.over, False
         one.answered = self._now
         sure = not older or one.sure
+        one.heard = one.heard or (not older and self._now >= one.trusted)
         one.doubted = one.doubted or one.sent
         if given_up or (sure and not one.cancelling):
             one.due = self._now + PROGRESS_TIMEOUT_S
@@ -302,21 +324,25 @@ class CommandProtocol:
 
     def _is_over(self, one: _OpenCommand, older: list[_OpenCommand], result: Result) -> None:
         state, reason = ENDS[result]
-        doubtful = max(one.trusted, one.refusable if state == REFUSED else -math.inf)
-        if self._now < doubtful:
-            one.due = min(one.due, doubtful)
+        refused = state == REFUSED
+        doubtful = max(
+            -math.inf if refused and one.after_done else one.trusted, one.refusable if refused else -math.inf
+        )
+        if self._now < doubtful and not (one.undone and state == CANCELLED):
+            one.due = min(one.due, doubtful) if not one.over else math.inf  # what was given up is not sent again
             return
         for other in older if state != REFUSED else []:
             self._end(other, *((state, reason) if other.order == one.order else (CANCELLED, REPLACED)))
         self._end(one, state, reason)
-        for other in older if state == REFUSED else []:  # they go on
-            other.refusable = self._now + LATE_ACK_S
+        for other in self._of(one.who) if refused else []:  # they go on
+            other.undone.discard(one.number)
+            other.refusable = self._now + LATE_ACK_S if other in older else other.refusable
 
     def _end(self, one: _OpenCommand, state: str, reason: str) -> None:
         self._open.pop(one.number, None)
         peer = self._peer(one.who)
         if state != NO_ANSWER:
-            peer.ended[one.order.number] = self._now
+            peer.ended[one.order.number] = self._now, state
         self._change(one, state, reason, progress=1.0 if state == DONE else None)
         for text in peer.texts.latest(self._now):
             self._explain(one.who, text)

@@ -184,3 +184,11 @@ class Record(Order):
     def replaces(self, other: Order) -> bool:
         """One of them undoes the other."""
         return isinstance(other, Record)
+
+
+def undoes(order: Order, earlier: Order) -> bool:
+    """Tell whether an order ends an earlier one, or would be ended or undone by it."""
+    if isinstance(order, Stop):
+        return not isinstance(earlier, Stop)
+    ends = order.task or isinstance(order, Cancel)
+    return ends and (earlier.task or (order.task and isinstance(earlier, Cancel)))
