@@ -50,6 +50,8 @@ class Order:
             _, numbers = self.words, [float(each) for each in self.numbers]
         except (TypeError, ValueError) as error:
             raise ValueError(f"{self.name}: expected numbers, got {self}") from error
+        except OverflowError as error:
+            raise ValueError(f"{self.name}: expected numbers that a 32-bit float can hold") from error
         if any(FLOAT32_MAX < abs(each) < math.inf for each in numbers):
             raise ValueError(f"{self.name}: expected numbers that a 32-bit float can hold, got {self}")
 

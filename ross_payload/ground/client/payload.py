@@ -14,7 +14,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Self
+from typing import Self, TypeVar
 from weakref import WeakSet
 
 from ross_payload.ground.client import command_types
@@ -39,6 +39,8 @@ from ross_payload.ground.model.view import Section, view
 from ross_payload.ground.station import Station
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.component_id import ComponentId
+
+Number = TypeVar("Number", int, float)
 
 TICK_S = 0.05  # between two looks at what is due
 SILENT_S = 3.0  # without a message until contact counts as lost
@@ -115,11 +117,12 @@ class Payload(StreamRequests):
 
     async def listen_to(self, source: int | SourceEstimate) -> None:
         """Turn so that a source of the latest estimate can be separated, and listen to it until cancelled."""
-        await self.request(command_types.Listen(source=source.source if isinstance(source, SourceEstimate) else source))
+        index = source.source if isinstance(source, SourceEstimate) else source
+        await self.request(command_types.Listen(source=_given("source", index)))
 
     async def listen_at(self, azimuth_deg: float) -> None:
         """Turn so that whoever is at an azimuth can be separated, and listen until cancelled."""
-        await self.request(command_types.Listen(azimuth=azimuth_deg))
+        await self.request(command_types.Listen(azimuth=_given("azimuth_deg", azimuth_deg)))
 
     async def find_voice(self, azimuths_deg: Sequence[float] = (), first: int | None = None) -> None:
         """Find the enrolled voice and listen to it until cancelled.
@@ -133,7 +136,8 @@ class Payload(StreamRequests):
         """
         if len(azimuths_deg) > command_types.MOST_AZIMUTHS:
             raise ValueError(f"azimuths_deg: expected at most {command_types.MOST_AZIMUTHS}, got {len(azimuths_deg)}")
-        await self.request(command_types.Inform(tuple(azimuths_deg), first) if azimuths_deg else command_types.Listen())
+        wanted = tuple(azimuths_deg)  # not an array, of which one that is zero counts as none
+        await self.request(command_types.Inform(wanted, first) if wanted else command_types.Listen())
 
     async def turn(self, heading_deg: float) -> None:
         """Point the axis from microphone 1 to microphone 2 to a heading and stay there."""
@@ -294,3 +298,16 @@ class Payload(StreamRequests):
     def _own_words(self, number: int) -> str | None:
         status = self._statuses[number]
         return status.reason if status.explained else None
+
+
+def _given(name: str, value: Number | None) -> Number:
+    """Return what a caller gave; None would be the order to find the enrolled voice.
+
+    Raises
+    ------
+    ValueError
+        When it is None, as the source of a voice that was not found.
+    """
+    if value is None:
+        raise ValueError(f"{name}: expected a number, got None")
+    return value

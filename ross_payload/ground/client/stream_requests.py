@@ -88,8 +88,12 @@ class StreamRequests(ABC):
         ValueError
             When both are given, or the address is no unicast address.
         """
+        address, port = ("", 0) if to is None else to
+        if to is not None and not address:
+            raise ValueError("address: expected IPv4, got none")  # which would end all
+        order = StopStream(number, address, port)
         async with self._one_stream_order:
-            await self.request(StopStream(number, *(to or ())))
+            await self.request(order)
 
     async def enrol(
         self,

@@ -3,6 +3,7 @@
 import asyncio
 import math
 
+import numpy as np
 import pytest
 
 from hand_station import PAYLOAD
@@ -70,6 +71,28 @@ def test_too_many_azimuths_are_not_sent():
     error = with_payload(station, lambda payload: raised(payload.find_voice([0] * 7)))
     assert isinstance(error, ValueError)
     assert station.commands() == []
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda payload: payload.listen_to(None),
+        lambda payload: payload.listen_at(None),
+        lambda payload: payload.turn(10**400),
+        lambda payload: payload.stop_stream(to=("", 0)),
+    ],
+)
+def test_what_was_not_found_is_no_order_to_do_something_else(ask):
+    station = Scripted(Result.ACCEPTED)
+    error = with_payload(station, lambda payload: raised(ask(payload)))
+    assert isinstance(error, ValueError)
+    assert station.commands() == []
+
+
+def test_an_azimuth_of_zero_in_an_array_is_one():
+    station = Scripted(Result.ACCEPTED)
+    with_payload(station, lambda payload: payload.find_voice(np.array([0.0])))
+    assert [command.command for command in station.commands()] == [ross.MAV_CMD_ROSS_INFORM]
 
 
 @pytest.mark.parametrize("heading", ["10", None, 1e39, [10.0]], ids=str)
