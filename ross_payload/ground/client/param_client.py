@@ -2,7 +2,8 @@
 
 ``on_packet`` gets what arrives, ``tick`` the time, ``on_state`` what is known of the payload. What a list left out is
 asked for again by index, and all of it after an outage of the link: what others changed meanwhile is told once. A value
-is set until it is read back, or refused. Without metadata, names and values still show.
+is set until it is read back, or refused; an answer so soon that it may be one to the change before is asked for again,
+since it does not say which it is for. Without metadata, names and values still show.
 """
 
 from __future__ import annotations
@@ -22,11 +23,13 @@ from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.field_converters import FLOAT32_MAX
 
 ANSWER_TIMEOUT_S = 1.0  # [s] without an answer until something is asked for again
+LATE_S = 1.5  # [s] after the end of a change, in which an answer may still be one to it
 LIST_TIMEOUT_S = 5.0  # [s] between two requests for a list that nobody answers
 OUTAGE_S = 3.0  # [s] without a message of the payload
 REREADS, REREAD_PERIOD_S = 2, 30.0  # lists after outages at once, and [s] for each in the long run: radios may be slow
 READS_AT_ONCE = 8  # parameters that are asked for at once
-MOST_SENDS = 5  # that a value is sent
+MOST_SENDS, DOUBTED_SENDS = 5, 2  # that a value is sent, and beyond them of one whose first answers are in doubt
+MOST_RECENT = 8  # changes before that are remembered
 KNOWN, SENDING, SET, REFUSED, NO_ANSWER = "known", "sending", "set", "refused", "no_answer"
 NOT_ANSWERED = "no answer: is it in range, and may this station set it ([[links]] accept)?"
 UNSTEADY = "its parameters keep changing: do two payloads use the same id?"
@@ -51,6 +54,29 @@ class _Parameter:
     at: float = 0.0  # latest change of the state [s]
     sent: int = 0  # frames
     kept: bool = False  # another value than the wanted one was heard since
+    late: float = -math.inf  # until when answers to the changes before may come [s]
+    recent: tuple[float, ...] = ()  # what these changes wanted
+    refused_before: bool = False  # one of them was refused, or not answered yet
+    doubted: str = ""  # why it is refused, if that was said of this change
+
+    def changed_to(self, wanted: float, now: float) -> _Parameter:
+        """Return it while another value is asked for."""
+        late, recent, refused = (self.late, self.recent, self.refused_before) if now < self.late else (now, (), False)
+        if self.state == SENDING:
+            late = max(late, now + LATE_S)
+        if now < late:
+            recent, refused = (*recent[-MOST_RECENT:], self.wanted), refused or self.state in (SENDING, REFUSED)
+        return _Parameter(
+            self.value, SENDING, wanted=wanted, since=now, late=late, recent=recent, refused_before=refused
+        )
+
+    def ended(self, state: str, reason: str, now: float) -> _Parameter:
+        """Return it when a change has ended."""
+        return replace(self, state=state, reason=reason, at=now, late=max(self.late, now + LATE_S))
+
+    def may_be_to_another(self, value: float, now: float) -> bool:
+        """Tell whether a value that is read back may be what a change before was answered with."""
+        return now < self.late and any(params.same_on_the_wire(value, other) for other in self.recent)
 
 
 class ParamClient:
@@ -126,10 +152,10 @@ class ParamClient:
         """
         if name not in self._settings:
             raise ValueError(f"expected the name of a parameter of {self.who}, got '{name[:40]}'")
-        if not abs(value) <= FLOAT32_MAX:
+        wanted = _number(value)
+        if not abs(wanted) <= FLOAT32_MAX:
             raise ValueError(f"{name}: expected a number that a 32-bit float can hold, got {str(value)[:40]}")
-        before = self._settings[name].value
-        self._settings[name] = _Parameter(before, SENDING, wanted=value, since=self._now)
+        self._settings[name] = self._settings[name].changed_to(wanted, self._now)
         self._send_value(name)
 
     def on_state(self, payload: PayloadState) -> None:
@@ -156,7 +182,7 @@ class ParamClient:
         elif isinstance(answer, params.Refused):
             ours = answer.target.includes(self._us)
             if ours and (setting := self._settings.get(answer.name)) is not None and setting.state == SENDING:
-                self._refuse(answer.name, ERRORS.get(answer.error, "refused"))
+                self._on_error(answer.name, setting, ERRORS.get(answer.error, "refused"))
         elif self._texts.on_packet(packet, now):
             self._explain()
 
@@ -167,12 +193,12 @@ class ParamClient:
             self._ask()
         for name, setting in list(self._settings.items()):
             if setting.state == SENDING and now - setting.at >= ANSWER_TIMEOUT_S:
-                if setting.sent < MOST_SENDS:
+                if setting.sent < MOST_SENDS + (DOUBTED_SENDS if setting.late > setting.since else 0):
                     self._send_value(name)
-                elif setting.kept:
-                    self._refuse(name, f"it stays at {setting.value:g}")
+                elif setting.kept or setting.doubted:
+                    self._refuse(name, setting.doubted or f"it stays at {setting.value:g}")
                 else:
-                    self._settings[name] = replace(setting, state=NO_ANSWER, reason=NOT_ANSWERED, at=self._now)
+                    self._settings[name] = setting.ended(NO_ANSWER, NOT_ANSWERED, now)
         if self._settings:  # the list first: it is what people wait for
             self._metadata.tick(now)
 
@@ -211,11 +237,23 @@ class ParamClient:
     def _changed(self, before: _Parameter | None, value: float) -> _Parameter:
         if before is None:
             return _Parameter(value)
+        now = self._now
         if before.state in (SENDING, NO_ANSWER) and params.same_on_the_wire(value, before.wanted):
-            return _Parameter(value, SET, at=self._now)  # however late
-        if before.state != SENDING:  # what was not answered is known now
-            return before if before.value == value and before.state != NO_ANSWER else _Parameter(value)
-        return replace(before, value=value, kept=True)
+            if before.state == SENDING and before.may_be_to_another(value, now):
+                return replace(before, value=value)
+            return replace(before.ended(SET, "", now), value=value)  # however late
+        if before.state == SENDING:
+            return replace(before, value=value, kept=True)
+        if before.state in (SET, REFUSED) and now - before.at < EXPLANATION_S:
+            return replace(before, value=value)  # whoever waits has not seen the end yet
+        same = before.value == value and before.state != NO_ANSWER  # what was not answered is known now
+        return before if same else replace(before, value=value, state=KNOWN, reason="")
+
+    def _on_error(self, name: str, setting: _Parameter, reason: str) -> None:
+        if self._now < setting.late and setting.refused_before:
+            self._settings[name] = replace(setting, doubted=reason)  # it is asked once more
+        else:
+            self._refuse(name, reason)
 
     def _send_value(self, name: str) -> None:
         setting = self._settings[name]
@@ -223,7 +261,7 @@ class ParamClient:
         self._give(params.set_message(name, setting.wanted, self.who), self.who)
 
     def _refuse(self, name: str, reason: str) -> None:
-        self._settings[name] = replace(self._settings[name], state=REFUSED, reason=reason, at=self._now)
+        self._settings[name] = self._settings[name].ended(REFUSED, reason, self._now)
         self._explain()
 
     def _explain(self) -> None:
@@ -233,6 +271,9 @@ class ParamClient:
             setting = self._settings.get(name)
             if not colon or setting is None or setting.state != REFUSED or text.at <= setting.since:
                 continue  # what was said before is about another value
+            _, got, told = reason.rpartition(", got ")
+            if got and told != f"{setting.wanted:g}":
+                continue  # and so is what came late
             if self._now - setting.at < EXPLANATION_S:
                 self._settings[name] = replace(setting, reason=reason)
 
@@ -240,3 +281,11 @@ class ParamClient:
 def _row(name: str, setting: _Parameter, description: ParameterDescription | None) -> dict[str, Any]:
     about = asdict(description or ParameterDescription())
     return {"name": name, "value": setting.value, **about, "state": setting.state, "reason": setting.reason}
+
+
+def _number(value: float) -> float:
+    """Return a number of any kind as a float; NaN: it is none, or beyond all bounds."""
+    try:
+        return math.nan if isinstance(value, str | bytes) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        return math.nan

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from ross_payload.ground.client.command_status import RESTARTED
-from ross_payload.ground.client.param_client import ERRORS, NO_ANSWER, REFUSED, SENDING, ParamClient
+from ross_payload.ground.client.param_client import ERRORS, KNOWN, NO_ANSWER, REFUSED, SENDING, ParamClient
 from ross_payload.ground.client.streams import Wakeup
 from ross_payload.ground.errors import LinkLost, RefusedByPayload, UnknownParameter
 
@@ -107,12 +107,9 @@ class Parameters:
         ValueError
             When no 32-bit float can hold the value.
         """
-        self.wanted = True
-        if name not in self.settings.values:
-            await self._until_known()
-        if name not in self.settings.values:
-            raise unknown(self.settings, name)
+        await self._until_named(name)
         async with self._one_value[name]:
+            await self._until_named(name)  # again: the payload may have restarted
             self.settings.set(name, value)
             state, reason = await self._changed.until(lambda: self._ended(name))
             request = f"{name} = {value:g}"
@@ -122,6 +119,13 @@ class Parameters:
                 own_words = await self._changed.within(REASON_TIMEOUT_S, lambda: self._own_words(name))  # a bit later
                 raise RefusedByPayload(request, own_words or reason)
             return self.settings.values[name]
+
+    async def _until_named(self, name: str) -> None:
+        self.wanted = True
+        if name not in self.settings.values:
+            await self._until_known()
+        if name not in self.settings.values:
+            raise unknown(self.settings, name)
 
     async def _value(self, name: str) -> float:
         await self._until_known()
@@ -143,6 +147,8 @@ class Parameters:
         if name not in self.settings.values:
             return NO_ANSWER, RESTARTED
         state, reason = self.settings.state_of(name)
+        if state == KNOWN:  # listed anew, and nothing is known of the change
+            return NO_ANSWER, RESTARTED
         return None if state == SENDING else (state, reason)
 
     def _own_words(self, name: str) -> str | None:

@@ -162,6 +162,50 @@ def test_who_may_not_set_is_told_that_nobody_answers(rig):
     assert sum(message.get_type() == "PARAM_SET" for _, message in rig.station.sent) == 5
 
 
+def test_an_error_that_comes_twice_is_none_of_the_next_value(rig):
+    """The first frame of the next value is lost."""
+    rig.station.wait(5, lambda: rig.settings.complete)
+    rig.settings.set("EXP_UNIT", 99)
+    assert rig.station.wait(2, lambda: row(rig.settings, "EXP_UNIT")["state"] == "refused")
+    rig.station.lose = lambda message: True
+    rig.settings.set("EXP_UNIT", 2.5)
+    rig.station.lose = lambda message: False
+    error = common.MAVLink_param_error_message(*US, b"EXP_UNIT", -1, ParamError.VALUE_OUT_OF_RANGE)
+    for packet in Decoder().feed(Encoder(*WHO).encode(error)):
+        rig.settings.on_packet(packet, rig.payload.clock.now())
+    assert rig.station.wait(5, lambda: row(rig.settings, "EXP_UNIT")["state"] == "set")
+    assert rig.payload.parameters.value("EXP_UNIT") == 2.5
+
+
+def test_a_value_that_is_read_back_late_does_not_end_the_change_after_the_next(rig):
+    """Its first frame is lost."""
+    rig.station.wait(5, lambda: rig.settings.complete)
+    for value in (2.5, 3.5):
+        rig.settings.set("EXP_UNIT", value)
+        assert rig.station.wait(2, lambda: row(rig.settings, "EXP_UNIT")["state"] == "set")
+    rig.station.lose = lambda message: True
+    rig.settings.set("EXP_UNIT", 2.5)
+    for packet in Decoder().feed(Encoder(*WHO).encode(value_message("EXP_UNIT", 2.5, NO_INDEX, len(TABLE)))):
+        rig.settings.on_packet(packet, rig.payload.clock.now())
+    rig.station.wait(0.5)
+    assert row(rig.settings, "EXP_UNIT")["state"] == "sending"
+    rig.station.lose = lambda message: False
+    assert rig.station.wait(5, lambda: row(rig.settings, "EXP_UNIT")["state"] == "set")
+    assert rig.payload.parameters.value("EXP_UNIT") == 2.5
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_with_answers_later_than_a_second_every_end_is_true(sky, seed):
+    """Every frame is sent twice, and answered twice."""
+    rig = rig_of(sky, delayed=0.9, doubled=0.1, seed=seed)
+    assert rig.station.wait(60, lambda: rig.settings.complete)
+    for value in (99, 2.5, -1, 3.5, 2.5, 99, 4.5) * 3:
+        rig.settings.set("EXP_UNIT", value)
+        assert rig.station.wait(20, lambda: row(rig.settings, "EXP_UNIT")["state"] != "sending")
+        assert row(rig.settings, "EXP_UNIT")["state"] == ("set" if 0.5 <= value <= 60 else "refused")
+        assert row(rig.settings, "EXP_UNIT")["state"] == "refused" or rig.payload.parameters.value("EXP_UNIT") == value
+
+
 # ------------------------------------------------------------------------------------------- with a scripted payload
 
 
@@ -310,6 +354,33 @@ def test_a_value_that_stays_is_a_refusal_though_no_error_comes(script):
         script.wait(1)
     (row,) = script.settings.rows()
     assert (row["state"], row["reason"]) == ("refused", "it stays at 1")
+
+
+def test_what_is_no_number_is_not_set(script):
+    script.tell({"ALPHA": 1.0})
+    for value in ("2", None, 1j, math.nan, 10**400):
+        with pytest.raises(ValueError, match="ALPHA: expected a number"):
+            script.settings.set("ALPHA", value)
+    assert "PARAM_SET" not in script.names()
+
+
+def test_a_text_about_another_value_is_no_reason(script):
+    script.tell({"ALPHA": 1.0})
+    script.settings.set("ALPHA", 5.0)
+    script.wait(0.1)
+    script.say(common.MAVLink_param_error_message(*US, b"ALPHA", -1, 77))
+    script.say(Text(Severity.WARNING, "RoSS: ALPHA: expected 0 to 3, got 99"))
+    assert script.settings.rows()[0]["reason"] == "refused"
+    script.say(Text(Severity.WARNING, "RoSS: ALPHA: expected 0 to 3, got 5"))
+    assert script.settings.rows()[0]["reason"] == "expected 0 to 3, got 5"
+
+
+def test_a_refusal_is_none_the_less_when_another_value_is_told_at_once(script):
+    script.tell({"ALPHA": 1.0})
+    script.settings.set("ALPHA", 5.0)
+    script.say(common.MAVLink_param_error_message(*US, b"ALPHA", -1, ParamError.VALUE_OUT_OF_RANGE))
+    script.tell({"ALPHA": 2.0})
+    assert (script.settings.values["ALPHA"], script.settings.state_of("ALPHA")[0]) == (2.0, "refused")
 
 
 def test_an_error_meant_for_somebody_else_refuses_nothing(script):

@@ -289,6 +289,24 @@ def test_two_values_for_one_parameter_at_once_are_each_set_and_returned():
     assert sent == [1.5, 2.5]
 
 
+def test_a_value_that_waited_for_another_one_is_set_though_the_payload_restarted_meanwhile():
+    station = Scripted()
+
+    async def work(payload):
+        await payload.parameters["EXP_UNIT"]
+        station.say(status(20.0))
+        station.refuses = True  # no answer yet
+        waiting = [asyncio.create_task(payload.parameters.set("EXP_UNIT", value)) for value in (1.5, 2.5)]
+        await asyncio.sleep(0.1)
+        station.refuses = False
+        station.say(status(1.0))  # its clock begins again
+        return await asyncio.gather(*waiting, return_exceptions=True)
+
+    first, second = with_payload(station, work)
+    assert isinstance(first, LinkLost)
+    assert second == 2.5
+
+
 def test_why_a_value_was_refused_is_no_reason_for_the_next_one():
     station = Scripted()
     station.refuses = True
