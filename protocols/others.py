@@ -43,6 +43,19 @@ ANOTHER = """\
 """  # and what follows it in its datagram is read
 TIME = "    if value > time_usec_threshold then\n"
 WHOLE_TIME = '    if type(value) ~= "number" and value > time_usec_threshold then\n'  # a delay is a number of us, too
+HEADER = "        local msgid\n        local length\n        local incompatibility_flag\n\n"
+WHOLE_FRAME = (
+    HEADER
+    + """\
+        local here = buffer:len() - offset
+        local least = version == 0xfd and 12 or 8
+        if here < least or here < least + buffer(offset + 1, 1):uint() then
+            subtree:add_expert_info(PI_UNDECODED, PI_NOTE, "The rest of this frame is not here")
+            break
+        end
+
+"""
+)  # what is not there, as of a frame in two TCP segments, is not zero
 FIELDS = re.compile(
     r"""f\.(\w+)_0 = ProtoField\.new\("(\w+)\[0\] (.*)", "mavlink_proto\.\1_0", (.*)\)\n"""
     r"""((?:f\.\1_\d+ = ProtoField\.new\("\2\[\d+\] \3", "mavlink_proto\.\1_\d+", \4\)\n)+)"""
@@ -102,10 +115,15 @@ def dissector(folder: Path, mavgen: Callable[[str, Path, Path], None]) -> None:
     places = {name.rpartition("_")[2] + "_at": place for name, place in tunnel.field_offsets.items()}
     inner = INNER.format(id=tunnel.id, size=tunnel.wire_length, type=54000, **places)
     lines = "".join(f"{line.rstrip()}\n" for line in path.read_text(encoding="utf-8").rstrip().splitlines())
-    for found in (UNKNOWN, BIND, TIME):
+    for found in (UNKNOWN, BIND, TIME, HEADER):
         if lines.count(found) != 1:
             raise SystemExit(f"mavgen's dissector has changed: expected exactly once\n{found}")
-    lines = lines.replace(UNKNOWN, ANOTHER).replace(BIND, inner + BIND).replace(TIME, WHOLE_TIME)
+    lines = (
+        lines.replace(UNKNOWN, ANOTHER)
+        .replace(BIND, inner + BIND)
+        .replace(TIME, WHOLE_TIME)
+        .replace(HEADER, WHOLE_FRAME)
+    )
     path.write_text(READS.sub(_read, FIELDS.sub(_field, lines)), encoding="utf-8")
     xml.unlink()
 

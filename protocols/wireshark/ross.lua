@@ -4599,6 +4599,13 @@ function mavlink_proto.dissector(buffer,pinfo,tree)
         local length
         local incompatibility_flag
 
+        local here = buffer:len() - offset
+        local least = version == 0xfd and 12 or 8
+        if here < least or here < least + buffer(offset + 1, 1):uint() then
+            subtree:add_expert_info(PI_UNDECODED, PI_NOTE, "The rest of this frame is not here")
+            break
+        end
+
         if (version == 0xfe) then
             if (buffer:len() - 2 - offset > 6) then
                 -- normal header

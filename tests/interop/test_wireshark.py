@@ -135,6 +135,15 @@ def test_a_delay_that_is_negative_or_not_known_does_not_break_the_dissector(fiel
     assert fields([frame], "ROSS_ALIGNMENT_gain", "ROSS_ALIGNMENT_plan") == [["3.5", "3"]]
 
 
+def test_a_frame_of_which_the_rest_is_missing_is_no_error_and_has_no_numbers(tshark, encoder):
+    frame, old = encoder.encode(ALIGNMENT), b"\xfe\x09\x00\x01\x01\x00"  # of MAVLink 1
+    cut = [frame[:size] for size in (1, 2, 3, 11, 12, len(frame) - 1)] + [old, frame + frame[:30]]
+    shown = tshark(cut, "-V")
+    assert "Lua Error" not in shown
+    assert shown.count("(Note/Undecoded): The rest of this frame is not here") == len(cut)
+    assert shown.count("heading (float) [rad]: 1.570") == 1
+
+
 @pytest.mark.soak
 def test_what_a_payload_also_says_and_hears_is_read(tshark, encoder):
     turn = common.MAVLink_command_long_message(7, 191, 54003, 0, 30.0, 0, 0, 0, 0, 0, 0)
