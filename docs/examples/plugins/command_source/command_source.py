@@ -23,7 +23,7 @@ class Program:
             self._process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, start_new_session=True
             )
-        self._channels, self._on_samples = channels, on_samples
+        self._channels, self._on_samples, self._closing = channels, on_samples, False
         self._thread = threading.Thread(target=self._copy, name="command", daemon=True)
         self._thread.start()
 
@@ -32,24 +32,25 @@ class Program:
         return self._thread.is_alive()
 
     def close(self):
+        self._closing = True
         self._signal(signal.SIGTERM)
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(LEAVE_S)
         self._thread.join(LEAVE_S)
-        if self._thread.is_alive() or self._process.poll() is None:
-            self._signal(signal.SIGKILL)
-            self._process.wait()
-            self._thread.join(LEAVE_S)
+        self._signal(signal.SIGKILL)  # what is left, also what writes elsewhere
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(LEAVE_S)
+        self._thread.join(LEAVE_S)
         if not self._thread.is_alive():
             self._process.stdout.close()
 
     def _signal(self, number):
-        with suppress(ProcessLookupError):
+        with suppress(ProcessLookupError, PermissionError):  # all have ended, or are somebody else's
             os.killpg(self._process.pid, number)  # also what it has started, as in sh -c "arecord | sox"
 
     def _copy(self):
         rest, size = b"", 2 * self._channels
-        while data := self._process.stdout.read1(LARGEST):
+        while (data := self._process.stdout.read1(LARGEST)) and not self._closing:
             data = rest + data
             whole = len(data) // size * size
             rest = data[whole:]
