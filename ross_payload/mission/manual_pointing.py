@@ -19,6 +19,7 @@ from ross_payload.pointing import nearest_joint, nearest_limit
 
 LINGER = 1.0  # [s] at rest behind the last set-point: then others may begin without ending anything
 AHEAD = 3.0  # [s] of a turn at a rate that are asked for at once
+LATE, SLACK = 3.0, math.radians(5)  # [s] and [rad] that the motor may be behind: then it is waited for
 RENEW = 1.0  # [s] after which they are asked for again
 SLOWEST = math.radians(0.01)  # rate below which nothing turns [rad/s]
 FOLLOW = math.radians(0.25)  # a heading that is off by more is corrected [rad]
@@ -92,7 +93,8 @@ class _SetPointController:
             self._goal = self._context.pointing.joint
         self.point = replace(point, rate=0.0 if self._leads_out(point) else _sensible(point))
         self._start, self._since = self._context.pointing.joint, self._context.time
-        self._asked, self._asked_at = math.nan, -math.inf  # joint angle asked of the motor [rad], and when [s]
+        self._asked = math.nan  # joint angle that the motor was asked for [rad]
+        self._left, self._asked_at = 0.0, -math.inf  # of the way there then [rad], and when that was [s]
 
     def _leads_out(self, point: Point) -> bool:
         """Whether a rate alone leads further beyond a limit: to turn back to it would be the opposite."""
@@ -110,15 +112,21 @@ class _SetPointController:
         self._goal = self._meant()
         asked = self._within_reach()
         known = asked == self._asked or abs(asked - self._asked) <= self._tolerance(asked)
-        if known and not (self._is_beyond() and self._context.time - self._asked_at >= RENEW):
+        if known and not self._goes_on():
             return Output()
         self._asked, self._asked_at = asked, self._context.time
+        self._left = abs(asked - self._context.pointing.joint)
         return Output(goal=asked, rate=abs(self.point.rate) if self.point.rate else None)
 
-    def _is_beyond(self) -> bool:
-        """Whether it comes back at a rate from beyond a limit, which is the nearest that it can be asked for."""
-        settings, joint = self._context.settings, self._context.pointing.joint
-        return bool(self.point.rate) and not settings.lower <= joint <= settings.upper
+    def _goes_on(self) -> bool:
+        """Whether it is still on its way at its rate, back from beyond a limit or from where it has braked.
+
+        It may take as long again then; a motor that cannot turn may not.
+        """
+        rate = abs(self.point.rate or 0.0)
+        if not rate or self._left <= rate * (AHEAD + RENEW) or self._context.time - self._asked_at < RENEW:
+            return False
+        return abs(self._asked - self._context.pointing.joint) <= self._left - 1.5 * RENEW * rate
 
     def over(self) -> bool:
         """Tell whether nothing is left to do."""
@@ -142,7 +150,10 @@ class _SetPointController:
         """Return the goal, or as much of the way as its rate covers in the time to come."""
         if not self.point.rate:
             return self._goal
-        reach, way = abs(self.point.rate) * (self._context.time - self._since + AHEAD), self._goal - self._start
+        way, seconds = self._goal - self._start, self._context.time - self._since
+        turned = max(math.copysign(1.0, way) * (self._context.pointing.joint - self._start), 0.0)
+        rate = abs(self.point.rate)
+        reach = min(rate * (seconds + AHEAD), turned + rate * (LATE + AHEAD) + SLACK)
         settings, there = self._context.settings, self._start + math.copysign(reach, way)
         return self._goal if abs(way) <= reach else min(max(there, settings.lower), settings.upper)
 

@@ -12,6 +12,7 @@ from ross_payload.angles import wrap
 from ross_payload.events import Answer, Finished, State
 from ross_payload.orders import Cancel, Explore, Home, Point, Rearm, Stop, TurnTo
 from ross_payload.sessions.input_log import order_of
+from ross_sim.devices.far_end import Fault
 
 
 def deg(angle):
@@ -149,6 +150,26 @@ def test_a_slow_rate_from_far_beyond_a_limit_may_take_longer_than_a_move(bench):
     one.live(25.0, one.order(0.5, Point(joint=deg(40), rate=deg(2), number=1)))
     assert one.answers(1)[-1] is Answer.DONE
     assert [one.angle(time) for time in (5.5, 10.5, 24.0)] == pytest.approx([10, 20, 40], abs=1.5)
+
+
+@pytest.mark.parametrize(
+    ("lower", "point"),
+    [(lower, Point(joint=joint, rate=deg(2), number=1)) for lower, joint in ((30, 0.7), (-200, 3.0), (30, None))],
+)
+def test_a_motor_that_cannot_turn_at_a_slow_rate_is_a_fault(bench, lower, point):
+    one = bench(guard={"lower_deg": lower, "upper_deg": 200, "park_deg": 30, "max_move_s": 5})
+    one.live(20.0, one.order(0.5, point), (3.0, lambda: one.far_end.afflict(Fault.STUCK, on=True)))
+    assert one.answers(1)[-1] is Answer.FAILED
+    assert one.states()[-1] == (State.FAULT, "at 4.96 deg, not at rest at the goal after 5 s")
+
+
+def test_a_slow_way_back_from_where_a_fast_move_has_braked_is_no_fault(bench):
+    one = bench(guard={"lower_deg": -720, "upper_deg": 720, "max_move_s": 5})
+    slow = Point(joint=deg(100), rate=deg(5), number=2)
+    one.live(50.0, one.order(0.5, Point(rate=deg(200), number=1)), one.order(2.0, slow))
+    assert max(angle for _, angle, _ in one.trace) > deg(200)
+    assert one.answers(1)[-1] is Answer.DONE
+    assert one.angle(49.0) == pytest.approx(100, abs=0.1)
 
 
 @pytest.mark.parametrize("rate", [0.02, -0.05])
