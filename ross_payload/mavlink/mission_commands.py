@@ -278,9 +278,12 @@ class MissionCommands:
             entry.kept = None
             return
         self._explain(entry.command, event.reason)
-        if waited and entry.kept is not None:  # it goes on, or has ended meanwhile
-            entry.kept.silent = False
-            self._report(entry.kept)
+        if entry.kept is not None and entry.kept.silent:
+            if waited:  # the other one goes on, or has ended meanwhile
+                entry.kept.silent = False
+                self._report(entry.kept)
+            else:
+                entry.kept = None  # over before this one, and never told: what is sent again means this one
 
     def _report(self, entry: Entry) -> None:
         """Tell the sender that its command goes on; once only while another one of its kind may go on instead.

@@ -251,6 +251,17 @@ def test_who_cancels_once_more_while_the_first_cancel_waits_goes_on_hearing_of_i
     assert payload.results(CANCEL) == [ACCEPTED]
 
 
+def test_who_asks_again_hears_of_the_second_of_two_that_waited_and_not_of_the_first(payload):
+    payload.command(STOP)
+    payload.computing = True
+    payload.command(REARM, seconds=0.3)
+    payload.command(REARM, seconds=0.3)
+    payload.computing, payload.fault = False, "the motor is off"
+    assert payload.results(REARM, 1.0) == [DENIED]
+    assert payload.command(REARM, seconds=0.5, confirmation=1) == [DENIED]
+    assert payload.command(REARM, seconds=0.5, confirmation=2) == [DENIED]
+
+
 def test_a_cancelled_task_can_be_followed_by_another(payload):
     payload.command(TURN, 90, seconds=0.1)
     payload.command(CANCEL, seconds=0.1)
