@@ -10,11 +10,12 @@ import math
 from ross_payload.events import Estimate, State, TurnStarted
 from ross_payload.interfaces import TurningExplorer
 from ross_payload.mission.context import Context, Step, hop, turn
-from ross_payload.mission.heading_control import STILL
 from ross_payload.mission.heard_turning import HeardTurning
 from ross_payload.mission.orientation_scan import believe, certain, observe_turned, say_belief
 from ross_payload.mission.pipeline import Visits, promising, visit
-from ross_payload.mission.sweep import IN_TIME, Sweep, sweep_from
+from ross_payload.mission.sweep import Sweep, sweep_from
+
+FAR = 0.9  # of the longest time that a move may take: between two ends it is 0.8 at most
 
 
 def explore_turning(context: Context, explorer: TurningExplorer) -> Step[tuple[Estimate, int | None]]:
@@ -34,8 +35,9 @@ def explore_turning(context: Context, explorer: TurningExplorer) -> Step[tuple[E
                 return context.beliefs[-1], source
             turning, before, sweep.due = HeardTurning(context.settings.rate), list(context.explored), True
             continue
-        if sweep.due:
+        if sweep.due and _is_far(context, sweep):
             yield from _to_sweep(context, sweep)
+            turning, before = HeardTurning(context.settings.rate), list(context.explored)  # it was not heard meanwhile
         yield from _period(context, sweep, turning)
         left -= 1
         believe(context, observe_turned(context, explorer, turning.period()))
@@ -45,15 +47,21 @@ def explore_turning(context: Context, explorer: TurningExplorer) -> Step[tuple[E
     return context.beliefs[-1], None
 
 
-def _to_sweep(context: Context, sweep: Sweep) -> Step[None]:
-    """Turn to where it turns back and forth, where the way to its next end is too long at its rate.
+def _is_far(context: Context, sweep: Sweep) -> bool:
+    """Whether the way to the next end is too long at the rate of the sweep.
 
-    So it may be from beyond a limit, and after an alignment that was visited.
+    So it may be from beyond a limit, and after an alignment that was visited; not where it has come to rest a little
+    beyond the other end.
     """
-    joint, settings = context.pointing.joint, context.settings
-    if abs(sweep.goal - joint) > IN_TIME * settings.longest_move * sweep.rate + STILL:
-        context.enter(State.EXPLORE_TURN, "to where it turns back and forth")
-        yield from turn(context, min(max(joint, min(sweep.ends)), max(sweep.ends)), "to where it turns back and forth")
+    settings = context.settings
+    return abs(sweep.goal - context.pointing.joint) > FAR * settings.longest_move * sweep.rate
+
+
+def _to_sweep(context: Context, sweep: Sweep) -> Step[None]:
+    """Turn to where it turns back and forth."""
+    goal = min(max(context.pointing.joint, min(sweep.ends)), max(sweep.ends))
+    context.enter(State.EXPLORE_TURN, "to where it turns back and forth")
+    yield from turn(context, goal, "to where it turns back and forth")
 
 
 def _period(context: Context, sweep: Sweep, turning: HeardTurning) -> Step[None]:

@@ -235,6 +235,24 @@ def test_nor_is_a_way_back_from_an_alignment_that_was_visited():
     assert max(slow) <= np.deg2rad(10 * 3)
 
 
+class Overshoots(Turntable):
+    """Comes to rest a little beyond where it was sent."""
+
+    def _obey(self, output):
+        super()._obey(output)
+        if output.goal is not None and output.goal != self.joint:
+            self.goal += np.copysign(np.deg2rad(0.05), output.goal - self.joint)
+
+
+def test_who_rests_a_little_beyond_an_end_turns_back_at_the_rate_of_listening():
+    settings = replace(TURNING, turn_rate=np.deg2rad(10), longest_move=2.6, periods=12)
+    explorer, stft = HearsTurning(certain=False), Stft(RATE, 512, 128)
+    one = Overshoots(mission(settings, Tools(explorer, stft, OneGroupEach(), stft, Likes(1), turning=explorer)))
+    one.run()
+    explored = one.outputs[: next(place for place, output in enumerate(one.outputs) if output.halt)]
+    assert {output.rate for output in explored if output.goal is not None} == {settings.turn_rate}
+
+
 def test_no_move_takes_longer_than_the_guard_bears():
     sweep = sweep_from(replace(TURNING, turn_rate=np.deg2rad(5.0), longest_move=20.0), 0.0)
     assert abs(sweep.ends[0]) / sweep.rate <= 16.0 + 1e-9
