@@ -224,9 +224,20 @@ def _point(context: Context, heading: float) -> Step[Result]:
         raise TaskRefused(OUTSIDE)
     context.enter(State.TURN, "heading ordered")
     yield from face(context, heading, joint, "heading ordered")
-    if abs(wrap(heading - context.pointing.heading)) > max(BEARABLE, context.settings.follow):
+    if abs(wrap(heading - _pointed(context))) > max(BEARABLE, context.settings.follow):
         raise TaskRefused(OUTSIDE if _joint_for(context, heading) is None else MISSED)
     return Result(Outcome.COMPLETED, "heading reached")
+
+
+def _pointed(context: Context) -> float:
+    """Return the heading that was turned to [rad]: of the goal where the actuator says that it is there.
+
+    How near an actuator comes to its goal is its own to say, as `resolution_deg` tells.
+    """
+    holding, here = context.holding, context.pointing
+    if holding is None or holding.due is not None or not context.here.settled:
+        return here.heading
+    return here.at(holding.goal)
 
 
 def _park(context: Context) -> Step[Result]:

@@ -238,6 +238,22 @@ def test_azimuths_are_told_until_as_many_sources_are_known_as_can_be_planned_for
     assert bench.over(53).answer is not Answer.REFUSED
 
 
+class Coarse(Bench):
+    """A turntable that is settled 7 degrees from its goal, as a vehicle may be in wind."""
+
+    def hop(self, *orders):
+        if self.moving == 1:
+            self.goal -= np.deg2rad(7)
+        super().hop(*orders)
+
+
+def test_a_heading_is_reached_where_the_actuator_says_that_it_is_there():
+    bench = Coarse()
+    bench.hop(TurnTo(1.2, number=1))
+    assert bench.over(1).answer is Answer.DONE
+    assert bench.joint == pytest.approx(1.2 - np.deg2rad(7))
+
+
 def test_a_heading_is_turned_to(bench):
     bench.hop(TurnTo(1.2, number=1))
     assert bench.over(1).answer is Answer.DONE
