@@ -123,6 +123,7 @@ class Runner:
         self._rest_hops = math.ceil(REST_TIMEOUT_S * source.rate / config.hop)
         self._orders: SimpleQueue[Order] = SimpleQueue()
         self._stopping = False  # a stop is on its way to the mission
+        self._braking = False  # a stop or a cancel is
         self._history = JointHistory()
         self._base_rate = BaseRate()
         self._asked = -math.inf  # when the last goal was given [s]: what was heard before knows nothing of it
@@ -133,9 +134,10 @@ class Runner:
     def order(self, order: Order) -> None:
         """Ask for something, from any thread or signal handler; a stop takes effect before the mission hears of it."""
         if isinstance(order, (Stop, Shutdown)):
-            self._stopping = True
+            self._stopping = self._braking = True
             self._actuator.stop()
         elif isinstance(order, Cancel):
+            self._braking = True
             self._actuator.halt()
         try:
             if self._latch is not None:  # after the brakes: no disk delays them
@@ -185,14 +187,16 @@ class Runner:
         block = self._source.read(self._hop)
         end = block.time + self._hop / self._source.rate
         state = self._actuator.state()
-        stopping = self._stopping  # what it was sent to meanwhile was refused, and is not reached
-        still = goal is None and block.time >= self._asked - ROUNDING_S and state.settled and not stopping
+        braking = self._braking  # what it was sent to was refused or forgotten, and is not reached
+        still = goal is None and block.time >= self._asked - ROUNDING_S and state.settled and not braking
         attitude, after = self._mount.attitude(block.time), self._mount.attitude(end)
         if after.known != attitude.known:  # one hop is in one frame
             after = attitude
         orders = tuple(drained(self._orders))
         if any(isinstance(order, (Stop, Shutdown)) for order in orders):
             self._stopping = False
+        if any(isinstance(order, (Stop, Shutdown, Cancel)) for order in orders):
+            self._braking = False
         pointing = Pointing(
             time=end,
             joint=self._joint(end, state),

@@ -298,6 +298,33 @@ def test_what_a_stop_on_its_way_has_kept_the_array_from_is_not_reached(bench):
     assert far_end.angle() == 0.0
 
 
+def test_where_a_cancel_on_its_way_has_halted_the_array_is_not_its_goal(bench):
+    brakes = SlowBrakes()
+
+    def turns(goal):
+        yield Output(goal=goal)
+        for _ in range(50):
+            yield Output()
+        operator = threading.Thread(target=runner.order, args=(Cancel(),))
+        operator.start()
+        assert brakes.pressed.wait(10)
+        for _ in range(200):
+            heard = yield Output()
+            assert not heard.settled
+        brakes.goes_on.set()
+        operator.join()
+        heard = yield Output()
+        assert heard.orders == (Cancel(),)
+        heard = yield Output()
+        yield Output(stop=True)
+        return Result(Outcome.STOPPED, f"{heard.settled}")
+
+    runner, _, far_end = bench(turns(3.0))
+    runner._latch = brakes
+    assert runner.run().reason == "True"
+    assert 0.0 < far_end.angle() < 2.5
+
+
 def test_a_stop_that_cannot_be_saved_is_heard_of_all_the_same(bench):
     class Full:
         def ordered(self, order):
