@@ -193,9 +193,11 @@ class CommandProtocol:
         """Send an order, first or again.
 
         What is done at once is harmless when done twice, and must not be taken for its like of a moment ago: arm,
-        stop, arm. A task must not be done twice, nor what the payload has already and a later order may follow.
+        stop, arm. A task must not be done twice, nor what the payload has already, or may have, and a later order may
+        follow: after a cancel a task, after a re-arming a stop of somebody else.
         """
-        heard = one.heard or (isinstance(one.order, Cancel) and one.answered is not None)
+        answered = one.answered is not None or one.doubted > 0
+        heard = one.heard or (isinstance(one.order, (Cancel, Rearm)) and answered)
         new = one.repeated and not (one.order.task or heard)
         one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, Stop) else ACK_TIMEOUT_S)
         confirmation = 0 if new else min(one.sent + (HEARD if one.heard else 0), MOST_CONFIRMATION)
@@ -301,6 +303,7 @@ class CommandProtocol:
             else:
                 self._is_over(latest, others, ack.result)
             newest.trusted, newest.after_done = self._trusted(self._peer(who), newest.order)  # the end may come doubled
+            self._doubt(newest)
 
     def _goes_on(self, one: _OpenCommand, progress: float | None, older: list[_OpenCommand]) -> None:
         """Take an order for begun; beside an older one of its kind it is asked once more: the answer may be to that.
@@ -330,6 +333,7 @@ class CommandProtocol:
         )
         if self._now < doubtful and not (one.undone and state == CANCELLED):
             one.due = min(one.due, doubtful) if not one.over else math.inf  # what was given up is not sent again
+            self._doubt(one)
             return
         for other in older if state != REFUSED else []:
             self._end(other, *((state, reason) if other.order == one.order else (CANCELLED, REPLACED)))
@@ -337,6 +341,11 @@ class CommandProtocol:
         for other in self._of(one.who) if refused else []:  # they go on
             other.undone.discard(one.number)
             other.refusable = self._now + LATE_ACK_S if other in older else other.refusable
+
+    def _doubt(self, one: _OpenCommand) -> None:
+        """Note that an answer may be to this one of what is done at once; it is not said as a new one again then."""
+        if not one.order.task:
+            one.doubted = one.doubted or one.sent
 
     def _end(self, one: _OpenCommand, state: str, reason: str) -> None:
         self._open.pop(one.number, None)

@@ -3,7 +3,7 @@
 import pytest
 
 from client_bench import WHO
-from ross_payload.ground.client.command_types import Cancel, Explore, Listen, Park, Record, Turn
+from ross_payload.ground.client.command_types import Cancel, Explore, Listen, Park, Rearm, Record, Turn
 from ross_protocols.mavlink.commands import Result
 from ross_protocols.mavlink.dialect import ross
 from scripted_payload import Script
@@ -201,3 +201,29 @@ def test_a_cancel_that_was_heard_is_not_said_again_after_what_was_ordered_since(
         script.ack(Explore.number, Result.IN_PROGRESS)
         script.wait(0.1)
     assert [message.command for _, message in script.heard][2:] == [Explore.number]
+
+
+@pytest.mark.parametrize("order", [Cancel(), Rearm()])
+def test_what_was_answered_so_soon_that_it_may_be_late_is_asked_for_as_the_same_one(script, order):
+    """Said as a new one a second later it would cancel, or undo the stop, of somebody else."""
+    for _ in range(2):
+        script.orders.order(WHO, order)
+        script.ack(order.number, Result.ACCEPTED)
+        script.wait(0.3)
+    script.wait(2.0)
+    first, second, *asked = [message.confirmation for _, message in script.heard]
+    assert (first, second) == (0, 0)
+    assert asked
+    assert all(asked)
+    script.ack(order.number, Result.ACCEPTED)
+    assert script.states() == ["done", "done"]
+
+
+def test_the_second_cancel_of_two_that_waited_is_asked_for_as_the_same_one(script):
+    script.orders.order(WHO, Cancel())
+    script.ack(Cancel.number, Result.IN_PROGRESS)
+    script.wait(0.3)
+    script.orders.order(WHO, Cancel())
+    script.ack(Cancel.number, Result.ACCEPTED)
+    script.wait(2.0)
+    assert [message.confirmation > 0 for _, message in script.heard] == [False, False, True, True]
