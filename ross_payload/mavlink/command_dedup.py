@@ -8,11 +8,13 @@ from dataclasses import dataclass
 
 from ross_payload.mavlink.component import Way
 from ross_payload.orders import Order, Task
-from ross_protocols.mavlink.commands import Command, Result
+from ross_protocols.mavlink.commands import HEARD, Command, Result
 from ross_protocols.mavlink.component_id import ComponentId
 
 RESENT = 5.0  # [s] within which a confirmation above 0 means the same command
 DOUBTED = 3.0  # [s] within which it does even when as many frames were lost as it says were sent before it
+RESENT_EVERY = 1.0  # [s] from one frame of a command to the next: a new one cannot have reached a confirmation sooner
+ON_THE_WAY = 0.5  # [s] by which the way of one frame may take longer than that of another
 LATE = 30.0  # [s] within which a frame may arrive late
 RESTARTED_AFTER_S = (
     0.5  # [s] without a later frame, after which the number 0 is the first of a sender that has restarted
@@ -145,8 +147,9 @@ class RecentCommands:
         latest = self.find(origin.sender, command.number)
         if latest is None:
             return None
+        new = command.confirmation < HEARD
         for entry in latest.remembered:
-            over = entry is not latest and entry.order is None and alike(latest.command, command)
+            over = new and entry is not latest and entry.order is None and alike(latest.command, command)
             if over or not alike(entry.command, command):
                 continue  # it was answered, and its like was refused since
             if _is_late(entry, command, origin, now):
@@ -177,15 +180,16 @@ class RecentCommands:
             return going_on and age < RESENT  # it has no confirmation to tell
         if command.confirmation == 0:
             return False
-        if going_on:
-            return True
+        if going_on or command.confirmation >= HEARD:
+            return going_on or age < LATE
         if origin.way != entry.origin.way:
             return age < RESENT
         least = min(entry.command.confirmation + 1, MOST_CONFIRMATION)
         if command.confirmation < least or origin.not_after(entry.origin):
             return False  # its sender counts from 0 again, and the first were lost
         lost = origin.lost - (entry.origin.lost if entry.lost is None else entry.lost)
-        return age < (DOUBTED if lost >= command.confirmation else RESENT)
+        doubted = max(DOUBTED, command.confirmation * RESENT_EVERY + ON_THE_WAY)
+        return age < (min(doubted, RESENT) if lost >= command.confirmation else RESENT)
 
 
 def _not_after(entry: Entry, origin: Origin, now: float) -> bool:

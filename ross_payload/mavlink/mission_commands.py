@@ -19,7 +19,7 @@ from typing import Protocol
 
 from ross_payload.errors import ConfigError
 from ross_payload.events import Answer, Answered, Event
-from ross_payload.mavlink.command_dedup import Entry, FrameCounter, Origin, RecentCommands
+from ross_payload.mavlink.command_dedup import RESENT, Entry, FrameCounter, Origin, RecentCommands
 from ross_payload.mavlink.command_gate import CommandGate
 from ross_payload.mavlink.command_parser import INFORM, READERS, STOP, Record, asked, name_of
 from ross_payload.mavlink.command_server import ACCEPTED, SENDERS, CommandServer, Handler, Verdict
@@ -28,7 +28,7 @@ from ross_payload.mavlink.message_requests import MessageRequests
 from ross_payload.orders import Cancel, Order, Stop, Task
 from ross_payload.streams import StreamOrder
 from ross_payload.token_bucket import TokenBucket
-from ross_protocols.mavlink.commands import CancelRequest, Command, Result
+from ross_protocols.mavlink.commands import HEARD, CancelRequest, Command, Result
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.values import Severity
@@ -37,6 +37,7 @@ ANSWER_TIMEOUT_S = 0.1  # [s] for the mission to answer before the sender hears 
 PROGRESS_PERIOD = 1.0  # [s]
 STOP_SAVING = 2.0  # [s] that the disk may take until a stop is acknowledged without it
 STOP_PERIOD = 0.1  # [s] between two stops that reach the mission: a flood of them is one
+FORGOTTEN = Verdict(Result.FAILED, "not known any longer: has the payload restarted?")
 REBOOT = common.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
 
 FINAL = {
@@ -199,6 +200,9 @@ class MissionCommands:
         origin = self._origin
         if origin is None or self._recent.before(command, origin, now):
             return  # its sender has asked for something else since
+        if command.confirmation >= HEARD:
+            self._server.answer(command, origin.sender, FORGOTTEN)
+            return
         before = self._recent.find(origin.sender, command.number)
         entry = Entry(command, origin, now, kept=before and before.current)
         verdict = self._obey(entry)
@@ -250,7 +254,7 @@ class MissionCommands:
         return order
 
     def _cancel(self, request: CancelRequest, received: Received) -> None:
-        """End a task in progress, whoever commanded it; one that is over is answered again."""
+        """End a task in progress, whoever commanded it; one that has just ended is answered again."""
         if not received.may_order:
             if received.refusal and self._texts.spend(self._now):
                 self._send_text(Severity.WARNING, f"cancel refused: {received.refusal}")
@@ -262,7 +266,8 @@ class MissionCommands:
                 self._order(Cancel())
         sender = received.packet.sender
         known = self._recent.find(sender, request.number)
-        if not going_on and known is not None and self._server.allows(sender):
+        recent = known is not None and self._now - known.current.time < RESENT
+        if known is not None and recent and not going_on and self._server.allows(sender):
             self._send(known.current)
 
     def _close(self, entry: Entry, event: Answered) -> None:

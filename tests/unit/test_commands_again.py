@@ -8,6 +8,7 @@ import pytest
 from command_bench import (
     ACCEPTED,
     DENIED,
+    FAILED,
     HOME,
     IN_PROGRESS,
     REARM,
@@ -25,6 +26,7 @@ from ross_payload.orders import (
     Stop,
     TurnTo,
 )
+from ross_protocols.mavlink.commands import HEARD, cancel_message
 from ross_protocols.mavlink.component_id import ComponentId
 
 
@@ -293,3 +295,47 @@ def test_the_highest_confirmation_may_come_any_number_of_times(payload):
     payload.wait(3.0)
     assert payload.command(TURN, 40, seconds=0.1, confirmation=255) == [ACCEPTED]
     assert len(payload.given) == 1
+
+
+@pytest.mark.parametrize("frames", [3, 4], ids=["an outage of 3 s", "an outage of 4 s"])
+def test_an_end_that_was_lost_with_seconds_of_frames_is_told_again(payload, frames):
+    """The ground station has heard nothing, says it once a second, and counts; its heartbeats are lost, too."""
+    payload.command(HOME, seconds=0.2)
+    payload.wait(frames - 0.2)
+    lose(payload, 2 * frames)
+    assert payload.command(HOME, confirmation=frames, seconds=0.3) == [ACCEPTED]
+    assert homed(payload) == 1
+
+
+@pytest.mark.parametrize("seconds", [0.5, 6.0])
+def test_the_end_of_what_its_sender_knows_to_have_arrived_is_told_whatever_was_lost(payload, seconds):
+    payload.command(HOME, seconds=0.5)
+    payload.wait(seconds)
+    lose(payload, 200)
+    assert payload.command(HOME, confirmation=HEARD + 1, seconds=0.3) == [ACCEPTED]
+    assert homed(payload) == 1
+
+
+def test_what_another_payload_was_told_is_not_begun(payload):
+    """It has restarted, and its sender only asks for the end of what it had begun."""
+    assert payload.command(HOME, confirmation=HEARD + 1, seconds=0.3) == [FAILED]
+    assert payload.texts == ["home refused: not known any longer: has the payload restarted?"]
+    assert payload.given == []
+    assert payload.command(HOME, confirmation=1, seconds=0.5)[-1] == ACCEPTED
+
+
+def test_what_is_asked_for_after_the_same_was_refused_is_answered_with_its_own_end(payload):
+    """Somebody has clicked twice."""
+    payload.command(TURN, 40, seconds=0.2)
+    assert payload.command(TURN, 40, seconds=0.2) == [TEMPORARILY_REJECTED]
+    assert payload.results(TURN, 2.0)[-1] == ACCEPTED
+    assert payload.command(TURN, 40, confirmation=HEARD + 1, seconds=0.3) == [ACCEPTED]
+    assert len(payload.given) == 1
+
+
+@pytest.mark.parametrize(("seconds", "told"), [(1.0, [ACCEPTED]), (6.0, [])])
+def test_a_cancel_of_what_never_arrived_is_not_answered_with_the_end_of_what_is_long_over(payload, seconds, told):
+    payload.command(HOME, seconds=0.5)
+    payload.wait(seconds)
+    payload.ground.send(cancel_message(HOME, ComponentId(1, 191)))
+    assert payload.results(HOME, 0.3) == told
