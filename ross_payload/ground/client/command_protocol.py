@@ -39,7 +39,7 @@ from ross_payload.ground.client.command_types import Cancel, Order, Rearm, Stop,
 from ross_payload.ground.model.payload_state import PayloadState, StatusText
 from ross_payload.ground.model.status_text import EXPLANATION_S, RecentTexts
 from ross_protocols.mavlink.codec import Packet
-from ross_protocols.mavlink.commands import Acknowledged, Result, acknowledged_of, cancel_message, long_message
+from ross_protocols.mavlink.commands import HEARD, Acknowledged, Result, acknowledged_of, cancel_message, long_message
 from ross_protocols.mavlink.component_id import ComponentId
 
 ACK_TIMEOUT_S, RESENDS = 1.0, 4  # [s] without an answer until a frame is sent again, and how often
@@ -47,7 +47,6 @@ STOP_ACK_TIMEOUT_S, STOP_RESENDS = 0.2, 10
 STOP_SEARCH_S = 30.0  # [s] that a stop is sent to a payload that was never heard; when it is, all tries are before it
 PROGRESS_TIMEOUT_S, PROGRESS_POLL_S = 2.0, 0.5  # [s] without progress until it is asked for, and how often
 DEDUP_S = 4.0  # [s] within which the payload knows what is said again: it remembers for 5, and a frame may be late
-HEARD = 128  # added to the confirmation of what the payload has: more than the frames that it may have missed meanwhile
 MOST_CONFIRMATION = 255
 REPEATED_S = 10.0  # [s] after an order, in which the payload may take its like that is said again for it
 LATE_ACK_S = 1.0  # [s] after the end of an order, in which an answer to the next of its kind may be one to it
@@ -282,6 +281,9 @@ class CommandProtocol:
         """Find out which order of its kind an acknowledgement is for."""
         alike = [one for one in self._of(who) if one.order.number == ack.number]
         if not alike:
+            ended = self._peer(who).ended
+            if ack.number in ended and ack.result is not Result.IN_PROGRESS:
+                ended[ack.number] = self._now, ENDS[ack.result][0]  # more may come
             return
         *older, newest = alike
         going_on = [one for one in older if one.answered is not None]
@@ -292,6 +294,8 @@ class CommandProtocol:
                 newest = going_on.pop()  # the latest that the payload is known to have heard
                 rivals = going_on
             self._goes_on(newest, ack.progress, rivals)
+        elif newest.repeated and newest.cancelling and newest.answered is None and ack.result is Result.ACCEPTED:
+            self._end(newest, NO_ANSWER, NO_RESULT)  # a cancel of what was never heard is answered with its like before
         elif ENDS[ack.result][0] == REFUSED or heard or not rivals:
             self._is_over(newest, older, ack.result)
         elif not going_on:

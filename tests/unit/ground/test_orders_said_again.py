@@ -13,6 +13,7 @@ from ross_protocols.mavlink.dialect import common, ross
 from scripted_payload import Script
 
 TURN, LISTEN, CANCEL = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_LISTEN, ross.MAV_CMD_ROSS_CANCEL
+STOP, REARM = ross.MAV_CMD_ROSS_STOP, ross.MAV_CMD_ROSS_REARM
 BEAT = common.MAVLink_heartbeat_message(common.MAV_TYPE_GCS, common.MAV_AUTOPILOT_INVALID, 0, 0, 4, 3)
 
 
@@ -177,3 +178,37 @@ def test_what_the_payload_has_is_asked_for_with_a_confirmation_beyond_what_it_ma
     script.ack(TURN, Result.IN_PROGRESS)
     script.wait(4)
     assert [message.confirmation for _, message in script.heard] == [0, 129, 130, 131, 132, 133]
+
+
+def test_a_turn_that_never_arrived_is_not_told_as_done_when_it_is_cancelled(rig):
+    """The payload answers a cancel with the end of the turn before."""
+    assert rig.done(Turn(5))
+    rig.station.lose = lambda message: True
+    number = rig.orders.order(WHO, Turn(40))
+    rig.station.wait(0.5)
+    rig.station.lose = lambda message: False
+    rig.orders.cancel(number)
+    rig.station.wait(0.5)
+    assert rig.orders.doing[-1].state == "no_answer"
+    assert rig.given() == ["TurnTo"]
+
+
+def test_an_answer_to_the_stop_before_is_none_to_a_stop_after_an_arming():
+    """A stop is sent five times a second, and where an answer takes a second five are on their way when it is over."""
+    script = Script()
+    script.orders.order(WHO, Stop())
+    script.wait(1.0)
+    script.ack(STOP, Result.ACCEPTED)
+    script.wait(0.8)
+    script.ack(STOP, Result.ACCEPTED)
+    script.orders.order(WHO, Rearm())
+    script.ack(REARM, Result.ACCEPTED)
+    script.wait(0.4)
+    script.orders.order(WHO, Stop())
+    script.ack(STOP, Result.ACCEPTED)
+    before = len(script.heard)
+    script.wait(0.4)
+    assert len(script.heard) > before  # it is sent until it is answered
+    script.wait(0.4)
+    script.ack(STOP, Result.ACCEPTED)
+    assert script.states() == ["done", "done", "done"]
