@@ -29,7 +29,7 @@ OUTAGE_S = 3.0  # [s] without a message of the payload
 REREADS, REREAD_PERIOD_S = 2, 30.0  # lists after outages at once, and [s] for each in the long run: radios may be slow
 READS_AT_ONCE = 8  # parameters that are asked for at once
 MOST_SENDS, DOUBTED_SENDS = 5, 2  # that a value is sent, and beyond them of one whose first answers are in doubt
-MOST_RECENT = 8  # changes before that are remembered
+MOST_RECENT = 64  # changes before that are remembered: more than a slider makes in `LATE_S`
 KNOWN, SENDING, SET, REFUSED, NO_ANSWER = "known", "sending", "set", "refused", "no_answer"
 NOT_ANSWERED = "no answer: is it in range, and may this station set it ([[links]] accept)?"
 UNSTEADY = "its parameters keep changing: do two payloads use the same id?"
@@ -238,12 +238,14 @@ class ParamClient:
         if before is None:
             return _Parameter(value)
         now = self._now
-        if before.state in (SENDING, NO_ANSWER) and params.same_on_the_wire(value, before.wanted):
+        wanted = params.same_on_the_wire(value, before.wanted)
+        if before.state in (SENDING, NO_ANSWER) and wanted:
             if before.state == SENDING and before.may_be_to_another(value, now):
                 return replace(before, value=value)
             return replace(before.ended(SET, "", now), value=value)  # however late
-        if before.state == SENDING:
-            return replace(before, value=value, kept=True)
+        to_another = before.may_be_to_another(value, now)
+        if before.state == SENDING or (before.state == SET and to_another and not wanted):  # it came after a later one
+            return replace(before, value=value, state=SENDING, kept=before.kept or not to_another)
         if before.state in (SET, REFUSED) and now - before.at < EXPLANATION_S:
             return replace(before, value=value)  # whoever waits has not seen the end yet
         same = before.value == value and before.state != NO_ANSWER  # what was not answered is known now

@@ -383,6 +383,41 @@ def test_a_refusal_is_none_the_less_when_another_value_is_told_at_once(script):
     assert (script.settings.values["ALPHA"], script.settings.state_of("ALPHA")[0]) == (2.0, "refused")
 
 
+def test_what_was_sent_earlier_and_comes_after_it_does_not_end_a_change(script):
+    """The network has changed the order of two values, or of their answers, as those of a slider."""
+    script.tell({"ALPHA": 1.0})
+    script.settings.set("ALPHA", 2.0)
+    script.settings.set("ALPHA", 3.0)
+    script.tell({"ALPHA": 3.0})
+    script.tell({"ALPHA": 2.0})
+    sent = script.names().count("PARAM_SET")
+    script.wait(1.2)
+    assert script.names().count("PARAM_SET") > sent
+    script.tell({"ALPHA": 3.0})
+    assert (script.settings.values["ALPHA"], script.settings.state_of("ALPHA")[0]) == (3.0, "set")
+
+
+def test_the_answer_to_a_value_before_does_not_say_that_the_payload_keeps_it(script):
+    script.tell({"ALPHA": 1.0})
+    script.settings.set("ALPHA", 2.0)
+    script.settings.set("ALPHA", 3.0)
+    script.tell({"ALPHA": 2.0})
+    script.wait(9)
+    assert script.settings.state_of("ALPHA")[0] == "no_answer"
+
+
+def test_a_slider_that_ends_where_it_was_a_second_ago_is_set_when_its_own_answer_comes(script):
+    script.tell({"ALPHA": 1.0})
+    for value in (7.0, *range(8, 40), 7.0):
+        script.settings.set("ALPHA", value)
+    script.tell({"ALPHA": 7.0})
+    assert script.settings.state_of("ALPHA")[0] == "sending"
+    script.tell({"ALPHA": 39.0})
+    script.wait(2.0)
+    script.tell({"ALPHA": 7.0})
+    assert (script.settings.values["ALPHA"], script.settings.state_of("ALPHA")[0]) == (7.0, "set")
+
+
 def test_an_error_meant_for_somebody_else_refuses_nothing(script):
     script.tell({"ALPHA": 1.0})
     script.settings.set("ALPHA", 5.0)
