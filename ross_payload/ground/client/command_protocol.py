@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 from ross_payload.ground.client.command_status import (
@@ -36,8 +36,9 @@ from ross_payload.ground.client.command_status import (
     reason_in,
 )
 from ross_payload.ground.client.command_types import Cancel, Order, Rearm, Stop, undoes
+from ross_payload.ground.client.open_command import LATE_ACK_S, OpenCommand, Peer
 from ross_payload.ground.model.payload_state import PayloadState, StatusText
-from ross_payload.ground.model.status_text import EXPLANATION_S, RecentTexts
+from ross_payload.ground.model.status_text import EXPLANATION_S
 from ross_protocols.mavlink.codec import Packet
 from ross_protocols.mavlink.commands import HEARD, Acknowledged, Result, acknowledged_of, cancel_message, long_message
 from ross_protocols.mavlink.component_id import ComponentId
@@ -49,46 +50,8 @@ PROGRESS_TIMEOUT_S, PROGRESS_POLL_S = 2.0, 0.5  # [s] without progress until it 
 DEDUP_S = 4.0  # [s] within which the payload knows what is said again: it remembers for 5, and a frame may be late
 MOST_CONFIRMATION = 255
 REPEATED_S = 10.0  # [s] after an order, in which the payload may take its like that is said again for it
-LATE_ACK_S = 1.0  # [s] after the end of an order, in which an answer to the next of its kind may be one to it
 MOST_STATUSES = 50
 ROUNDING_S = 1e-6  # [s], of rounding
-
-
-@dataclass(slots=True)
-class _OpenCommand:
-    """An order that is not over."""
-
-    number: int
-    who: ComponentId
-    order: Order
-    due: float  # when it is said again [s]
-    repeated: bool  # its like ended a moment ago: what the payload remembers may be that
-    trusted: float  # [s]: a final answer before may be a late one to its like
-    after_done: bool  # its like was done: a refusal is none of that
-    refusable: float = -math.inf  # [s]: a refusal before may be that of a later one of its kind, doubled
-    sent: int = 0  # frames
-    answered: float | None = None  # the latest time [s]
-    doubted: int = 0  # frames that were sent when the first answer came that may be one to an older order of its kind
-    cancelling: int = 0  # COMMAND_CANCEL, so often
-    over: bool = False  # given up, until something is heard after all
-    unheard: bool = False  # it was given up without an answer: said again later, it might be a new order
-    heard: bool = False  # the payload has it: what it says about it can be about nothing else
-    undone: set[int] = field(default_factory=set)  # by these later orders, or said again it would end or undo them
-
-    @property
-    def sure(self) -> bool:
-        """Whether an answer that it goes on is one to it: it was asked for after the first that may be to another."""
-        return 0 < self.doubted < self.sent
-
-
-@dataclass(slots=True)
-class _Peer:
-    """What is remembered of a payload."""
-
-    boots: int | None = None
-    texts: RecentTexts = field(default_factory=RecentTexts)
-    ended: dict[int, tuple[float, str]] = field(default_factory=dict)  # when [s] and how, by MAV_CMD
-    sent: dict[int, float] = field(default_factory=dict)  # when [s], by MAV_CMD
 
 
 class CommandProtocol:
@@ -106,8 +69,8 @@ class CommandProtocol:
         self._send = send
         self._us = ComponentId(system_id, component_id)
         self._doing: dict[int, CommandStatus] = {}
-        self._open: dict[int, _OpenCommand] = {}
-        self._peers: dict[ComponentId, _Peer] = {}
+        self._open: dict[int, OpenCommand] = {}
+        self._peers: dict[ComponentId, Peer] = {}
         self._count = 0
         self._now = 0.0
 
@@ -132,10 +95,10 @@ class CommandProtocol:
         self._count += 1
         peer, number = self._peer(who), order.number
         self._doing[self._count] = CommandStatus(self._count, who, order, SENT, self._now, self._now)
-        self._open[self._count] = _OpenCommand(
+        self._open[self._count] = OpenCommand(
             self._count, who, order, self._now,
             self._now - peer.sent.get(number, -math.inf) < REPEATED_S,
-            *self._trusted(peer, order),
+            *peer.trusted(order),
         )  # fmt: skip
         peer.sent[number] = self._now
         self._send_order(self._open[self._count])
@@ -161,7 +124,7 @@ class CommandProtocol:
         if peer.boots is not None and payload.boots > peer.boots:
             for one in [one for one in self._of(payload.who) if not one.over]:
                 self._end(one, FAILED, RESTARTED)
-            self._peers[payload.who] = peer = _Peer()
+            self._peers[payload.who] = peer = Peer()
         elif peer.boots is None:
             for one in [one for one in self._of(payload.who) if isinstance(one.order, Stop) and one.answered is None]:
                 one.sent, one.due = min(one.sent, 1), self._now
@@ -188,7 +151,7 @@ class CommandProtocol:
 
     # ------------------------------------------------------------------------------------------------ sending
 
-    def _send_order(self, one: _OpenCommand) -> None:
+    def _send_order(self, one: OpenCommand) -> None:
         """Send an order, first or again.
 
         What is done at once is harmless when done twice, and must not be taken for its like of a moment ago: arm,
@@ -225,7 +188,7 @@ class CommandProtocol:
             elif unanswered and one.order.task and (order.task or isinstance(order, Cancel)):
                 self._give_up(one, OVERTAKEN)
 
-    def _resend(self, one: _OpenCommand) -> None:
+    def _resend(self, one: OpenCommand) -> None:
         """Say it again where that can help; a cancel stands for its order."""
         times = STOP_RESENDS if isinstance(one.order, Stop) else RESENDS
         if one.cancelling:
@@ -239,7 +202,7 @@ class CommandProtocol:
                 self._send_order(one)
             one.due = self._now + PROGRESS_POLL_S
 
-    def _is_overtaken(self, one: _OpenCommand) -> bool:
+    def _is_overtaken(self, one: OpenCommand) -> bool:
         """Whether a later one may have replaced, ended or undone it: said again, it would be done after that."""
         if isinstance(one.order, Cancel):
             return any(each.number > one.number and each.who == one.who for each in self.doing)
@@ -248,32 +211,23 @@ class CommandProtocol:
         alike = (other for other in self._of(one.who) if other.order.number == one.order.number)
         return one.order.task and (one.unheard or any(other.number > one.number for other in alike))
 
-    def _is_sought(self, one: _OpenCommand) -> bool:
+    def _is_sought(self, one: OpenCommand) -> bool:
         """Whether it is a stop for somebody who was never heard, but may be any moment: we may have just started."""
         unmet = isinstance(one.order, Stop) and self._peer(one.who).boots is None
         return unmet and self._now - self._doing[one.number].since < STOP_SEARCH_S
 
-    def _send_cancel(self, one: _OpenCommand) -> None:
+    def _send_cancel(self, one: OpenCommand) -> None:
         one.cancelling += 1
         one.due = self._now + ACK_TIMEOUT_S
         self._send(cancel_message(one.order.number, one.who), one.who)
 
-    def _give_up(self, one: _OpenCommand, reason: str = "") -> None:
+    def _give_up(self, one: OpenCommand, reason: str = "") -> None:
         if one.undone and one.answered is not None:
             self._end(one, NO_ANSWER, NO_RESULT)  # it has ended: what is heard from now on is about later ones
             return
         one.over, one.due = True, math.inf
         one.unheard = one.unheard or one.answered is None
         self._change(one, NO_ANSWER, reason or (NOT_ANSWERED if one.answered is None else NO_RESULT))
-
-    def _trusted(self, peer: _Peer, order: Order) -> tuple[float, bool]:
-        """Return from when on a final answer is one to this order, and whether its like before was done.
-
-        A stop is only in doubt after it was re-armed.
-        """
-        ended, how = peer.ended.get(order.number, (-math.inf, ""))
-        armed = peer.sent.get(Rearm.number, -math.inf) >= ended > -math.inf
-        return ended + LATE_ACK_S if armed or not isinstance(order, Stop) else -math.inf, how == DONE
 
     # ------------------------------------------------------------------------------------------------ hearing
 
@@ -306,10 +260,10 @@ class CommandProtocol:
                 self._end(latest, NO_ANSWER, NO_RESULT)
             else:
                 self._is_over(latest, others, ack.result)
-            newest.trusted, newest.after_done = self._trusted(self._peer(who), newest.order)  # the end may come doubled
+            newest.trusted, newest.after_done = self._peer(who).trusted(newest.order)  # the end may come doubled
             self._doubt(newest)
 
-    def _goes_on(self, one: _OpenCommand, progress: float | None, older: list[_OpenCommand]) -> None:
+    def _goes_on(self, one: OpenCommand, progress: float | None, older: list[OpenCommand]) -> None:
         """Take an order for begun; beside an older one of its kind it is asked once more: the answer may be to that.
 
         When it goes on then, it has taken the place of the older ones.
@@ -329,7 +283,7 @@ class CommandProtocol:
         state = ACKNOWLEDGED if first and progress is None else IN_PROGRESS
         self._change(one, state, "", progress=progress)
 
-    def _is_over(self, one: _OpenCommand, older: list[_OpenCommand], result: Result) -> None:
+    def _is_over(self, one: OpenCommand, older: list[OpenCommand], result: Result) -> None:
         state, reason = ENDS[result]
         refused = state == REFUSED
         doubtful = max(
@@ -347,12 +301,12 @@ class CommandProtocol:
             other.undone.discard(one.number)
             other.refusable = self._now + LATE_ACK_S if other in older else other.refusable
 
-    def _doubt(self, one: _OpenCommand) -> None:
+    def _doubt(self, one: OpenCommand) -> None:
         """Note that an answer may be to this one of what is done at once; it is not said as a new one again then."""
         if not one.order.task:
             one.doubted = one.doubted or one.sent
 
-    def _end(self, one: _OpenCommand, state: str, reason: str) -> None:
+    def _end(self, one: OpenCommand, state: str, reason: str) -> None:
         self._open.pop(one.number, None)
         peer = self._peer(one.who)
         if state != NO_ANSWER:
@@ -369,13 +323,13 @@ class CommandProtocol:
                 self._doing[doing.number] = replace(doing, reason=reason)
                 return
 
-    def _change(self, one: _OpenCommand, state: str, reason: str, progress: float | None = None) -> None:
+    def _change(self, one: OpenCommand, state: str, reason: str, progress: float | None = None) -> None:
         doing = self._doing.get(one.number)
         if doing is not None:
             self._doing[one.number] = replace(doing, state=state, reason=reason, progress=progress, at=self._now)
 
-    def _of(self, who: ComponentId) -> list[_OpenCommand]:
+    def _of(self, who: ComponentId) -> list[OpenCommand]:
         return [one for one in self._open.values() if one.who == who]
 
-    def _peer(self, who: ComponentId) -> _Peer:
-        return self._peers.setdefault(who, _Peer())
+    def _peer(self, who: ComponentId) -> Peer:
+        return self._peers.setdefault(who, Peer())
