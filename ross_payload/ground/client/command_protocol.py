@@ -285,6 +285,7 @@ class CommandProtocol:
 
     def _is_over(self, one: OpenCommand, older: list[OpenCommand], result: Result) -> None:
         state, reason = ENDS[result]
+        one.trusted = self._now + LATE_ACK_S if one.trusted == math.inf else one.trusted  # this may be to one before
         refused = state == REFUSED
         doubtful = max(
             -math.inf if refused and one.after_done else one.trusted, one.refusable if refused else -math.inf

@@ -52,8 +52,11 @@ class Peer:
     def trusted(self, order: Order) -> tuple[float, bool]:
         """Return from when on [s] a final answer is one to an order, and whether its like before was done.
 
-        A stop is only in doubt after it was re-armed.
+        A stop is only in doubt after it was re-armed; infinity: the answer to the one before that has not come yet.
         """
         ended, how = self.ended.get(order.number, (-math.inf, ""))
-        armed = self.sent.get(Rearm.number, -math.inf) >= ended > -math.inf
+        before, arming = (self.sent.get(number, -math.inf) for number in (order.number, Rearm.number))
+        if isinstance(order, Stop) and arming >= before > ended:
+            return math.inf, False
+        armed = arming >= ended > -math.inf
         return ended + LATE_ACK_S if armed or not isinstance(order, Stop) else -math.inf, how == DONE

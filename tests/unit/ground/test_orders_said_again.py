@@ -212,3 +212,18 @@ def test_an_answer_to_the_stop_before_is_none_to_a_stop_after_an_arming():
     script.wait(0.4)
     script.ack(STOP, Result.ACCEPTED)
     assert script.states() == ["done", "done", "done"]
+
+
+def test_the_answer_to_a_stop_that_comes_after_an_arming_is_none_to_the_next_stop():
+    script = Script()
+    for order in (Stop(), Rearm(), Stop()):
+        script.orders.order(WHO, order)
+        script.wait(0.2)
+    script.ack(STOP, Result.ACCEPTED)
+    before = len(script.heard)
+    script.wait(0.6)
+    assert script.states()[-1] == "sent"
+    assert len(script.heard) > before  # it is sent until it is answered
+    script.wait(0.6)
+    script.ack(STOP, Result.ACCEPTED)
+    assert script.states()[-1] == "done"
