@@ -294,8 +294,7 @@ class CommandProtocol:
             one.due = min(one.due, doubtful) if not one.over else math.inf  # what was given up is not sent again
             self._doubt(one)
             return
-        goes_on = refused and one.order.task
-        for other in older if not goes_on else []:
+        for other in older if state != REFUSED else []:
             self._end(other, *((state, reason) if other.order == one.order else (CANCELLED, REPLACED)))
         self._end(one, state, reason)
         for other in self._of(one.who) if refused else []:  # they go on

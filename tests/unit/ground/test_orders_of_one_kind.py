@@ -227,13 +227,3 @@ def test_the_second_cancel_of_two_that_waited_is_asked_for_as_the_same_one(scrip
     script.ack(Cancel.number, Result.ACCEPTED)
     script.wait(2.0)
     assert [message.confirmation > 0 for _, message in script.heard] == [False, False, True, True]
-
-
-def test_a_refusal_of_the_second_of_two_that_waited_is_one_of_both(script):
-    """The payload answers once what is done at once: nothing of the first one goes on."""
-    for _ in range(2):
-        script.orders.order(WHO, Rearm())
-    script.ack(Rearm.number, Result.IN_PROGRESS)
-    script.ack(Rearm.number, Result.DENIED)
-    script.wait(3.0)
-    assert script.states() == ["refused", "refused"]
