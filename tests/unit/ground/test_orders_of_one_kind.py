@@ -29,6 +29,15 @@ def test_listening_to_another_one_takes_the_place_of_listening(script):
     assert script.states() == ["cancelled", "cancelled"]
 
 
+def test_a_refusal_right_after_the_end_of_its_like_that_was_done_is_none_of_that(script):
+    script.orders.order(WHO, Turn(20.0))
+    script.ack(TURN, Result.IN_PROGRESS)
+    script.ack(TURN, Result.ACCEPTED)
+    script.orders.order(WHO, Turn(-20.0))
+    script.ack(TURN, Result.TEMPORARILY_REJECTED)
+    assert script.states() == ["done", "refused"]
+
+
 def test_what_another_of_its_kind_has_replaced_is_not_asked_for_again(script):
     """The payload would take it for a new order, and do it in the place of the later one or refuse it."""
     script.orders.order(WHO, Listen(source=0))
