@@ -271,7 +271,8 @@ class CommandProtocol:
         first, given_up, one.over = one.answered is None, one.over, False
         one.answered = self._now
         sure = not older or one.sure
-        one.heard = one.heard or (not older and self._now >= one.trusted)
+        certain = self._now >= one.trusted + LATE_ACK_S  # what the payload is told that it has it does not begin
+        one.heard = one.heard or (not older and certain)
         one.doubted = one.doubted or one.sent
         if given_up or (sure and not one.cancelling):
             one.due = self._now + PROGRESS_TIMEOUT_S

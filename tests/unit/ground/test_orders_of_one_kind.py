@@ -38,6 +38,21 @@ def test_a_refusal_right_after_the_end_of_its_like_that_was_done_is_none_of_that
     assert script.states() == ["done", "refused"]
 
 
+def test_progress_that_may_be_late_of_its_like_does_not_say_that_an_order_was_heard(script):
+    """Were it asked for as one that the payload has, the payload would begin nothing: it has never heard of it."""
+    script.orders.order(WHO, Turn(20.0))
+    script.ack(TURN, Result.IN_PROGRESS)
+    script.ack(TURN, Result.ACCEPTED)
+    script.wait(0.5)
+    script.orders.order(WHO, Turn(-20.0))
+    script.wait(0.8)
+    script.ack(TURN, Result.IN_PROGRESS)
+    script.wait(2.5)
+    confirmations = [message.confirmation for _, message in script.heard if message.param1 == -20.0]
+    assert len(confirmations) > 1
+    assert max(confirmations) < 128
+
+
 def test_what_another_of_its_kind_has_replaced_is_not_asked_for_again(script):
     """The payload would take it for a new order, and do it in the place of the later one or refuse it."""
     script.orders.order(WHO, Listen(source=0))
