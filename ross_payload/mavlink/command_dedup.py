@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ross_payload.mavlink.component import Way
 from ross_payload.orders import Order, Task
-from ross_protocols.mavlink.commands import HEARD, Command, Result
+from ross_protocols.mavlink.commands import HEARD, MOST_CONFIRMATION, Command, Result
 from ross_protocols.mavlink.component_id import ComponentId
 
 RESENT = 5.0  # [s] within which a confirmation above 0 means the same command
@@ -20,7 +20,6 @@ RESTARTED_AFTER_S = (
     0.5  # [s] without a later frame, after which the number 0 is the first of a sender that has restarted
 )
 LOWER = 3.0  # [s] without a later frame, after which any lower number is one of such a sender
-MOST_CONFIRMATION = 255  # where a sender stops counting
 MOST_PAST = 4  # commands before the latest one of a number that are remembered
 MOST = 256  # commands, and senders, that are remembered: random ids cannot fill the memory
 

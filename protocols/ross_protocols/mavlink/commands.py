@@ -14,6 +14,7 @@ from ross_protocols.mavlink.field_converters import clockwise
 
 UNKNOWN_PROGRESS = 255
 HEARD = 128  # from this confirmation on a sender knows that the command has arrived: it asks for its end alone
+MOST_CONFIRMATION = 255  # where a sender stops counting
 
 COMMAND_LONG = common.MAVLINK_MSG_ID_COMMAND_LONG
 COMMAND_INT = common.MAVLINK_MSG_ID_COMMAND_INT

@@ -40,7 +40,15 @@ from ross_payload.ground.client.open_command import LATE_ACK_S, OpenCommand, Pee
 from ross_payload.ground.model.payload_state import PayloadState, StatusText
 from ross_payload.ground.model.status_text import EXPLANATION_S
 from ross_protocols.mavlink.codec import Packet
-from ross_protocols.mavlink.commands import HEARD, Acknowledged, Result, acknowledged_of, cancel_message, long_message
+from ross_protocols.mavlink.commands import (
+    HEARD,
+    MOST_CONFIRMATION,
+    Acknowledged,
+    Result,
+    acknowledged_of,
+    cancel_message,
+    long_message,
+)
 from ross_protocols.mavlink.component_id import ComponentId
 
 ACK_TIMEOUT_S, RESENDS = 1.0, 4  # [s] without an answer until a frame is sent again, and how often
@@ -48,7 +56,6 @@ STOP_ACK_TIMEOUT_S, STOP_RESENDS = 0.2, 10
 STOP_SEARCH_S = 30.0  # [s] that a stop is sent to a payload that was never heard; when it is, all tries are before it
 PROGRESS_TIMEOUT_S, PROGRESS_POLL_S = 2.0, 0.5  # [s] without progress until it is asked for, and how often
 DEDUP_S = 4.0  # [s] within which the payload knows what is said again: it remembers for 5, and a frame may be late
-MOST_CONFIRMATION = 255
 REPEATED_S = 10.0  # [s] after an order, in which the payload may take its like that is said again for it
 MOST_STATUSES = 50
 ROUNDING_S = 1e-6  # [s], of rounding
