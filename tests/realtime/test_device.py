@@ -39,6 +39,7 @@ def test_a_driver_turns_a_device_in_another_process_to_where_it_says(kind, tmp_p
 def test_an_autopilot_in_another_process_turns_its_vehicle_until_the_pilot_objects(mode, tmp_path):
     option = ("--option", f"px4_mode={mode}")
     with device(tmp_path, "vehicle", *option) as process, driver(process.told, **VEHICLE, px4_mode=mode) as one:
+        one.until(lambda: "it may be turned" in one.actuator.identity)  # Offboard is granted a second after its stream
         one.ready()
         one.turn(0.3)
         wait_for(lambda: abs(process.ask("status")["angle_deg"] - math.degrees(0.3)) < 1.0)
