@@ -53,7 +53,7 @@ from ross_protocols.mavlink.component_id import ComponentId
 
 ACK_TIMEOUT_S, RESENDS = 1.0, 4  # [s] without an answer until a frame is sent again, and how often
 STOP_ACK_TIMEOUT_S, STOP_RESENDS = 0.2, 10
-STOP_SEARCH_S = 30.0  # [s] that a stop is sent to a payload that was never heard; when it is, all tries are before it
+STOP_LASTS_S = 30.0  # [s] that a stop is sent while nobody answers, also when that was told
 PROGRESS_TIMEOUT_S, PROGRESS_POLL_S = 2.0, 0.5  # [s] without progress until it is asked for, and how often
 DEDUP_S = 4.0  # [s] within which the payload knows what is said again: it remembers for 5, and a frame may be late
 REPEATED_S = 10.0  # [s] after an order, in which the payload may take its like that is said again for it
@@ -106,6 +106,7 @@ class CommandProtocol:
             self._count, who, order, self._now,
             self._now - peer.sent.get(number, -math.inf) < REPEATED_S,
             *peer.trusted(order),
+            lasts=self._now + STOP_LASTS_S if isinstance(order, Stop) else -math.inf,
         )  # fmt: skip
         peer.sent[number] = self._now
         self._send_order(self._open[self._count])
@@ -128,13 +129,14 @@ class CommandProtocol:
     def on_state(self, payload: PayloadState) -> None:
         """Learn of a payload, whenever it is heard: one that restarted does not do what it was told before."""
         peer = self._peer(payload.who)
-        if peer.boots is not None and payload.boots > peer.boots:
-            for one in [one for one in self._of(payload.who) if not one.over]:
+        restarted = peer.boots is not None and payload.boots > peer.boots
+        if restarted:
+            for one in [one for one in self._of(payload.who) if not (one.over or self._goes_unheard(one))]:
                 self._end(one, FAILED, RESTARTED)
             self._peers[payload.who] = peer = Peer()
-        elif peer.boots is None:
-            for one in [one for one in self._of(payload.who) if isinstance(one.order, Stop) and one.answered is None]:
-                one.sent, one.due = min(one.sent, 1), self._now
+        if restarted or peer.boots is None:
+            for one in [one for one in self._of(payload.who) if self._goes_unheard(one)]:
+                one.sent, one.due = min(one.sent, 1), self._now  # all its tries are before it
         peer.boots = payload.boots
 
     def on_packet(self, packet: Packet, now: float) -> None:
@@ -178,9 +180,11 @@ class CommandProtocol:
         """What was never answered is not said again where it would undo this order.
 
         That is anything after a stop, a task after another one or a cancel, and a cancel after any order. A task may
-        have been heard all the same: it stays open for its answers.
+        have been heard all the same: it stays open for its answers. So does a stop, which ends after its tries when
+        it is ordered once more, or something is re-armed.
         """
         for one in self._of(who):
+            one.lasts = -math.inf if isinstance(order, Stop | Rearm) else one.lasts
             one.undone |= {self._count + 1} if undoes(order, one.order) else set()
             overtaken = self._doing[one.number].reason == OVERTAKEN
             unanswered = one.answered is None and not one.over
@@ -201,7 +205,10 @@ class CommandProtocol:
         if one.cancelling:
             self._send_cancel(one) if one.cancelling <= RESENDS else self._give_up(one)
         elif one.answered is None:
-            self._send_order(one) if one.sent <= times or self._is_sought(one) else self._give_up(one)
+            tries_left = one.sent <= times
+            if not tries_left and self._peer(one.who).boots is not None:  # one never heard may be heard any moment
+                self._tell(one, NO_ANSWER, NOT_ANSWERED)
+            self._send_order(one) if tries_left or self._now < one.lasts else self._give_up(one)
         elif self._now - one.answered > DEDUP_S:
             self._give_up(one)
         else:
@@ -218,10 +225,9 @@ class CommandProtocol:
         alike = (other for other in self._of(one.who) if other.order.number == one.order.number)
         return one.order.task and (one.unheard or any(other.number > one.number for other in alike))
 
-    def _is_sought(self, one: OpenCommand) -> bool:
-        """Whether it is a stop for somebody who was never heard, but may be any moment: we may have just started."""
-        unmet = isinstance(one.order, Stop) and self._peer(one.who).boots is None
-        return unmet and self._now - self._doing[one.number].since < STOP_SEARCH_S
+    def _goes_unheard(self, one: OpenCommand) -> bool:
+        """Whether it is a stop that was not answered: whoever is heard, for the first time or anew, has not stopped."""
+        return isinstance(one.order, Stop) and one.answered is None and not one.over
 
     def _send_cancel(self, one: OpenCommand) -> None:
         one.cancelling += 1
@@ -234,7 +240,7 @@ class CommandProtocol:
             return
         one.over, one.due = True, math.inf
         one.unheard = one.unheard or one.answered is None
-        self._change(one, NO_ANSWER, reason or (NOT_ANSWERED if one.answered is None else NO_RESULT))
+        self._tell(one, NO_ANSWER, reason or (NOT_ANSWERED if one.answered is None else NO_RESULT))
 
     # ------------------------------------------------------------------------------------------------ hearing
 
@@ -330,6 +336,12 @@ class CommandProtocol:
             if near and (reason := reason_in(text, doing)):
                 self._doing[doing.number] = replace(doing, reason=reason)
                 return
+
+    def _tell(self, one: OpenCommand, state: str, reason: str) -> None:
+        """Tell what has become of an order, unless that was told."""
+        doing = self._doing.get(one.number)
+        if doing is not None and (doing.state, doing.reason) != (state, reason):
+            self._change(one, state, reason)
 
     def _change(self, one: OpenCommand, state: str, reason: str, progress: float | None = None) -> None:
         doing = self._doing.get(one.number)

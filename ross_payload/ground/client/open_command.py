@@ -24,6 +24,7 @@ class OpenCommand:
     repeated: bool  # its like ended a moment ago: what the payload remembers may be that
     trusted: float  # [s]: a final answer before may be a late one to its like
     after_done: bool  # its like was done: a refusal is none of that
+    lasts: float = -math.inf  # until when it is said without an answer after its tries, too [s]
     refusable: float = -math.inf  # [s]: a refusal before may be that of a later one of its kind, doubled
     sent: int = 0  # frames
     answered: float | None = None  # the latest time [s]

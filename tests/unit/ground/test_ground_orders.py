@@ -36,11 +36,54 @@ def test_an_order_that_nobody_answers_is_said_five_times_in_four_seconds(script)
     assert "accept" in doing.reason
 
 
-def test_a_stop_that_nobody_answers_is_said_five_times_a_second(script):
+def test_a_stop_that_nobody_answers_is_said_for_half_a_minute_and_told_after_two_seconds(script):
     script.orders.order(WHO, Stop())
-    script.wait(10)
-    assert [at for at, _ in script.heard] == pytest.approx([0.2 * k for k in range(11)], abs=0.06)
+    script.wait(2.1)
+    assert script.states() == ["sent"]
+    script.wait(0.2)
+    (told,) = script.orders.doing
+    assert told.state == "no_answer"
+    script.wait(27)
+    assert [at for at, _ in script.heard] == pytest.approx([0.2 * k for k in range(len(script.heard))], abs=0.06)
+    assert script.orders.doing == (told,)
+    script.wait(1)
+    assert len(script.heard) == 150
+    script.wait(5)
+    assert (len(script.heard), script.orders.doing) == (150, (told,))
+
+
+def test_a_stop_that_was_told_as_unanswered_is_done_when_the_link_returns(script):
+    script.orders.order(WHO, Stop())
+    script.wait(12)
     assert script.states() == ["no_answer"]
+    script.ack(STOP, Result.ACCEPTED)
+    said = len(script.heard)
+    script.wait(5)
+    assert (script.states(), len(script.heard)) == (["done"], said)
+
+
+@pytest.mark.parametrize("order", [Rearm(), Stop()])
+def test_an_unanswered_stop_is_said_no_more_after_an_arming_or_its_like(order, script):
+    script.orders.order(WHO, Stop())
+    script.wait(5)
+    said = len(script.heard)
+    script.orders.order(WHO, order)
+    script.ack(order.number, Result.ACCEPTED)
+    script.wait(5)
+    assert len(script.heard) == said + 1
+    assert script.states()[-1] == "done"
+
+
+def test_a_payload_that_restarts_is_told_the_stop_that_it_has_not_answered(script):
+    script.orders.order(WHO, Turn(40))
+    script.orders.order(WHO, Stop())
+    script.wait(8)
+    script.orders.on_state(Known(WHO, 0.0, script.now, boots=2))
+    script.wait(0.05)
+    assert script.heard[-1] == (pytest.approx(8.0, abs=0.06), script.heard[-1][1])
+    assert script.heard[-1][1].command == STOP
+    script.ack(STOP, Result.ACCEPTED)
+    assert script.states() == ["cancelled", "done"]
 
 
 def test_a_stop_for_a_payload_that_was_never_heard_is_sent_for_half_a_minute():
@@ -225,9 +268,7 @@ def test_of_more_orders_than_are_kept_a_stop_is_told_until_it_is_answered(script
     script.wait(2.0)
     told = Counter(message.target_system for _, message in script.heard if message.command == STOP)
     assert all(told[who[0]] >= 9 for who in fleet)
-    for who in fleet:
-        script.orders.on_state(Known(who, 0.0, script.now, boots=1))
-        script.orders.on_state(Known(who, 0.0, script.now, boots=2))
+    script.wait(30.0)
     script.orders.order(WHO, Turn(40))
     assert len(script.orders.doing) == 50
 
@@ -270,7 +311,7 @@ def test_whatever_is_answered_what_is_over_stays_over_and_silence_ends_every_tal
         now = {doing.number: doing.state for doing in script.orders.doing if doing.state in OVER[:-1]}
         assert over.items() <= now.items()
         over = now
-    script.wait(12)
+    script.wait(31)
     said = len(script.heard)
     script.wait(5)
     assert len(script.heard) == said

@@ -8,6 +8,7 @@ import pytest
 from client_bench import US, WHO, Served, Station
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_types import Cancel, Explore, Listen, Park, Rearm, Stop, Turn
+from ross_payload.ground.model.payload_state import PayloadState as Known
 from ross_protocols.mavlink.commands import Result
 from ross_protocols.mavlink.dialect import common, ross
 from scripted_payload import Script
@@ -118,6 +119,35 @@ def test_listening_whose_end_was_lost_does_not_begin_again_after_it_was_cancelle
     nothing_goes_up(rig, seconds)
     rig.station.wait(5)
     assert rig.given() == ["Explore", "ListenTo", "Cancel"]
+
+
+def test_a_stop_is_obeyed_as_soon_as_an_outage_of_twelve_seconds_is_over_and_a_later_arming_stays(rig):
+    rig.orders.on_state(Known(WHO, 0.0, 0.0))
+    rig.station.lose = lambda message: True
+    rig.orders.order(WHO, Stop())
+    rig.station.wait(12)
+    assert not rig.payload.stopped
+    assert rig.orders.doing[-1].state == "no_answer"
+    rig.station.lose = lambda message: False
+    rig.station.wait(0.5)
+    assert rig.payload.stopped
+    assert rig.orders.doing[-1].state == "done"
+    assert rig.done(Rearm())
+    rig.station.wait(40)
+    assert not rig.payload.stopped
+
+
+def test_a_stop_of_an_outage_is_not_obeyed_after_the_arming_that_was_ordered_in_it(rig):
+    rig.orders.on_state(Known(WHO, 0.0, 0.0))
+    assert rig.done(Stop())
+    rig.station.lose = lambda message: True
+    rig.orders.order(WHO, Stop())
+    rig.station.wait(3)
+    rig.orders.order(WHO, Rearm())
+    rig.station.wait(0.5)
+    rig.station.lose = lambda message: False
+    rig.station.wait(40)
+    assert not rig.payload.stopped
 
 
 def test_of_turns_refused_while_it_was_stopped_none_is_done_when_it_is_armed(rig):
