@@ -134,10 +134,11 @@ class LiveDuet:
 
 
 def _whole(spectrogram: Complex, scene: Scene) -> Groups:
-    """The mixture as the only group of somebody who cannot be told from others; no group of nobody."""
+    """The mixture at a microphone that hears as the only group, of somebody unknown; no group of nobody."""
     if not scene.n_sources:
         return Groups(np.zeros((0, *spectrogram.shape[1:]), spectrogram.dtype), (), Duet.name)
-    return Groups(spectrogram[:1], ((),), Duet.name, why="no delay found: the mixture as it is")
+    heard = spectrogram[:1] if spectrogram[0].any() else spectrogram[1:]
+    return Groups(heard, ((),), Duet.name, why="no delay found: the mixture as it is")
 
 
 def masked_beams(spectrogram: Complex, frequencies: Real, tau: Real, noise_psd: Real) -> tuple[Complex, Real]:
