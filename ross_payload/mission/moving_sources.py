@@ -123,7 +123,8 @@ def _joined(context: Context, estimate: Estimate, listening: Listening, found: S
         made.append(groups)
     together = _together([groups.members for groups in made], estimate.k)
     pieces = "" if len(made) == 1 else f"in {len(made)} pieces"
-    why = ", ".join(filter(None, (made[-1].why, pieces)))
+    reasons = "; ".join(dict.fromkeys(groups.why for groups in made if groups.why))
+    why = ", ".join(filter(None, (reasons, pieces)))
     joined = Groups(np.zeros((len(together), 1, 0), complex), together, made[-1].method, why)
     return joined, voices[[members[0] for members in together]]
 

@@ -266,6 +266,24 @@ def test_a_period_is_separated_piece_by_piece_with_the_delays_of_each():
     assert [score.members for score in found.scores] == [(0,), (1,)]
 
 
+def test_every_reason_is_told_of_a_period_that_is_separated_for_different_ones():
+    reasons = iter(["a gap", "a gap", "noise", *["a gap", ""] * 99])
+
+    class Reasons:
+        name = "reasons"
+
+        def batch(self, spectrogram, scene):
+            return Groups(np.stack([spectrogram[0]] * 2), ((0,), (1,)), self.name, next(reasons))
+
+    stft, told = Stft(RATE, 512, 128), estimate(0, 90)
+    context = Context(SETTINGS, Tools(ThreeTalkers(), stft, Reasons(), stft, Likes(1)))
+    context.tracker = SourceTracker(told, 0, stft, SPACING, SPEED, None, None)
+    context.tracker.moved = [False, True]
+    context.tracker.places = [(t, np.radians([0.0, 90.0 + 20.0 * t])) for t in np.arange(0.0, 4.01, 0.25)]
+    found = recognise_moving(context, told, 0, Listening(0.0, np.full((2, 4 * RATE), 0.1, np.float32)))
+    assert found.groups.why.startswith("a gap; noise, in ")
+
+
 def test_a_separator_that_does_not_know_who_is_in_its_groups_ends_nothing_when_somebody_moves():
     class Knows:
         name = "knows"
