@@ -191,7 +191,8 @@ class RecordedSession:
             yield "being recorded: read as far as it has come"
         elif known.end is None:
             yield "cut off: its end was not recorded; at most the last second is missing, after a power cut some 30 s"
-        for name, read in (("inputs.jsonl", found.inputs), ("events.jsonl", found.events)):
+        files = {"inputs.jsonl": found.inputs, "events.jsonl": found.events, "scores.jsonl": len(self.scores())}
+        for name, read in files.items():
             lines = sum(1 for _ in _lines(self.path / name))
             if lines > read:
                 yield f"{name}: damaged at line {read + 1}; {lines - read} lines are not read"

@@ -142,6 +142,7 @@ def test_scores_are_read_up_to_the_first_that_is_damaged(whole, damaged):
     good = '{"input": 3, "value": 0.5, "accepted": true}\n'
     (whole.path / "scores.jsonl").write_text(f'{good}{damaged},"accepted":true}}\n{good}')
     assert whole.scores() == [(3, Score(0.5, accepted=True))]
+    assert "scores.jsonl: damaged at line 2; 2 lines are not read" in whole.contents().notes
 
 
 @pytest.mark.parametrize(
