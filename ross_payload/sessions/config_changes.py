@@ -69,6 +69,12 @@ def differences(recorded: Config, config: Config) -> Values:
 def assign(values: Values, setting: str) -> None:
     """Change one key of a configuration as plain values by ``table.key=value``, the value as in TOML or a word.
 
+    Without a value the key is absent: what holds then is its default.
+
+    >>> values = {"audio": {"frame": 1024}}
+    >>> assign(values, "audio.frame="), values
+    (None, {'audio': {}})
+
     Raises
     ------
     ConfigError
@@ -84,7 +90,10 @@ def assign(values: Values, setting: str) -> None:
         values = values[name]
         if not isinstance(values, dict):
             raise ConfigError(f"--set {setting}: expected a table, got the key '{name}'")
-    values[last] = toml_value(text.strip())
+    if text.strip() or last not in values:  # of a key that there is not, even to be absent, the check tells
+        values[last] = toml_value(text.strip())
+    else:
+        del values[last]
 
 
 def _at(config: Config, path: Sequence[str]) -> Any:

@@ -92,6 +92,13 @@ def test_keys_of_the_payload_can_be_changed():
     assert not load("demo").payload.explore.pipelined
 
 
+def test_a_key_without_a_value_is_absent_and_one_that_there_is_not_is_refused():
+    assert scenario_of("paper-setting-1").payload.audio.frame == 1024
+    assert scenario_of("paper-setting-1", ["audio.frame="]).payload.audio.frame is None
+    with pytest.raises(ConfigError, match=r"unknown key 'payload\.audio\.frames'"):
+        scenario_of("demo", ["audio.frames="])
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
