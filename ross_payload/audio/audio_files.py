@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, closing, contextmanager, suppress
 from pathlib import Path
 from typing import Self
@@ -179,6 +179,12 @@ class WavWriter:
 
     def __exit__(self, *exception: object) -> None:
         self.close()
+
+
+def gain_in_files(voices: Iterable[Real]) -> float:
+    """Return the gain of voices (n,) in their files with which none exceeds full scale; 1 where none does anyhow."""
+    loudest = max((float(np.abs(voice).max(initial=0.0)) for voice in voices), default=0.0)
+    return 1.0 if loudest <= 1 else 1 / loudest
 
 
 def write_wav(path: Path, samples: Real, rate: int) -> None:

@@ -9,14 +9,13 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from ross_payload.angles import wrap
 from ross_payload.atomic_files import json_text, replacing
-from ross_payload.audio.audio_files import write_wav
+from ross_payload.audio.audio_files import gain_in_files, write_wav
 from ross_payload.config import Config
 from ross_payload.errors import OutputError, refused_as
 from ross_payload.evaluation.scoring import Evaluation, level_of
@@ -77,8 +76,7 @@ def _softer(found: Evaluation) -> tuple[str, ...]:
 
 def gain_of_files(found: Evaluation) -> float:
     """Gain of the files of all groups, with which none exceeds full scale; 1 where none does anyhow."""
-    loudest = max((float(np.abs(group.voice).max()) for group in found.groups), default=0.0)
-    return 1.0 if loudest <= 1 else 1 / loudest
+    return gain_in_files(group.voice for group in found.groups)
 
 
 def _group(index: int, found: Evaluation) -> dict[str, Any]:

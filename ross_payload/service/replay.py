@@ -12,7 +12,7 @@ from typing import Any
 from ross_payload.computing import computing
 from ross_payload.config import Config, load
 from ross_payload.errors import ConfigError
-from ross_payload.events import Estimate
+from ross_payload.events import Estimate, Separated
 from ross_payload.interfaces import Attitude, Mission, VoicePrint
 from ross_payload.json_values import are_finite
 from ross_payload.mission.live_session import Kit, LiveSession
@@ -46,7 +46,7 @@ def perform(path: Path, out: Path | None, file: Path | None, settings: tuple[str
         facts |= {
             "changes": differing,
             "without_effect": list(config_changes.without_effect(recorded, config)),
-            "notes": list(session.contents().notes),
+            "notes": [*session.contents().notes, *(_softer(told) if out is not None else ())],
         }
         values = replay_results.report(session, told, config.audio.rate_hz) | facts
         if out is not None:
@@ -81,6 +81,13 @@ def _played(
     if not told.inputs:
         raise ConfigError(f"{session.path}: expected at least one complete Input to replay, got none")
     return told, {"voice": who.how, "parted": course.parted}
+
+
+def _softer(told: Replayed) -> Iterator[str]:
+    """Say so when voices exceed full scale."""
+    softer = replay_results.softer_by(replay_results.latest(told, Separated))
+    if softer:
+        yield f"the separated voices exceed full scale: files of --out are {softer:.1f} dB softer"
 
 
 def in_words(values: dict[str, Any]) -> Iterator[str]:

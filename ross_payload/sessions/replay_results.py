@@ -13,9 +13,11 @@ from itertools import starmap
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from ross_payload import events
 from ross_payload.atomic_files import json_text, make_private, replacing
-from ross_payload.audio.audio_files import write_wav
+from ross_payload.audio.audio_files import gain_in_files, write_wav
 from ross_payload.errors import ConfigError, OutputError, refused_as
 from ross_payload.events import Event, GroupScore, Separated, SourceEstimate, SourcesEstimated
 from ross_payload.interfaces import Samples
@@ -129,11 +131,17 @@ def latest(replay_state: Replayed, kind: type[E]) -> E | None:
 
 
 def voices_of(separated: Separated | None) -> dict[str, Samples]:
-    """Return the separated voices by the names of their files."""
+    """Return the separated voices by the names of their files, all as much softer as `softer_by` says."""
     if separated is None:
         return {}
-    target, voices = separated.target, enumerate(separated.voices)
-    return {"target.wav" if index == target else f"group-{index}.wav": voice for index, voice in voices}
+    gain, target = np.float32(gain_in_files(separated.voices)), separated.target
+    names = ("target.wav" if index == target else f"group-{index}.wav" for index in range(len(separated.voices)))
+    return {name: gain * voice for name, voice in zip(names, separated.voices, strict=True)}
+
+
+def softer_by(separated: Separated | None) -> float:
+    """Return how much softer all voices of a period are in their files, so that none exceeds full scale [dB]."""
+    return 0.0 if separated is None else -20 * math.log10(gain_in_files(separated.voices))
 
 
 def _source(source: SourceEstimate) -> dict[str, Any]:

@@ -36,7 +36,7 @@ from ross_payload.service.runner import Observer, Runner
 from ross_payload.sessions import event_json
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.recorder import Recorder
-from ross_payload.sessions.replay_results import voices_of
+from ross_payload.sessions.replay_results import softer_by, voices_of
 from ross_payload.telemetry.component import Telemetry
 from ross_payload.timebase import Timebase
 from ross_sim.autopilot import simulated_autopilot as simulated
@@ -116,6 +116,8 @@ def perform(
     complaints = staged.far_end.complaints()
     if complaints:
         values["complaints"] = complaints
+    if softer := softer_by(log.last(Separated)):
+        values["softer_db"] = round(softer, 2)
     timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": simulated}
     timing["times_real_time"] = simulated / max(done - ready, 1e-9)
     timing["payload_cpu_s"] = staged.cost.seconds
