@@ -27,6 +27,7 @@ CATCH_UP_S = 0.03  # [s] that later pieces are less late, within that time
 HOLD_TIMEOUT_S = 1.5  # [s] that anything is held back
 PAUSE_S = 0.1  # [s] without a look, or without a piece: something was held up, and now deserves patience
 SILENCE_TIMEOUT_S = 0.5  # without a sample until zeros take their place
+EXPECTED_S = 30.0  # [s] after the latest zeros, or the latest of what they stand for, in which that may still come
 WARM_UP_S = 0.5  # [s] at the start, in which the clock is learnt
 
 
@@ -64,7 +65,8 @@ class GapFiller:
         self._index = 0  # of the next sample to give
         self._end = 0  # behind all that is ready
         self._owed = 0  # zeros given in advance while nothing came
-        self._guessed = 0  # zeros for what may still come, however late
+        self._guessed = 0  # zeros for what may still come, late
+        self._expected_until = -math.inf  # when that is not to be expected any more [s]
         self.missing = 0  # samples that never came, since the start
         self.left_out = 0  # samples that came faster than they can be heard, since the start
 
@@ -104,6 +106,8 @@ class GapFiller:
             replaced = min(refused - given, max(room, 0))
             self._zeros(replaced)
             self._leave_out(refused - given - replaced)
+        if piece.arrived > self._expected_until:
+            self._guessed = 0
         self._hold(piece, self._clock)
         in_time = self._earliest < (LATE_S if len(self._held) == 1 else CAUGHT_UP_S)
         patient = (
@@ -127,7 +131,7 @@ class GapFiller:
             if not self._owed:
                 self._clock.coast(self._end)
             self._owed += silent
-            self._guess(silent)
+            self._guess(silent, now)
 
     def read(self, n: int) -> Stretch:
         """Give the next ``n`` samples; there must be as many."""
@@ -179,7 +183,8 @@ class GapFiller:
         gap = round(self._earliest * self._rate) if self._earliest > LATE_S else 0
         if gap > self._owed:
             clock.coast(self._end)
-        self._guess(gap - self._owed)
+        now = self._held[-1].arrived
+        self._guess(gap - self._owed, now)
         early = round(-self._earliest * self._rate) if self._earliest < -EARLY_S else 0
         too_fast = self._earliest < -AHEAD_S
         surplus = max(self._owed - gap, 0) + (early if too_fast else min(early, self._guessed))
@@ -188,6 +193,8 @@ class GapFiller:
             surplus -= cut
             taken_back = min(cut, self._guessed)
             self._guessed -= taken_back
+            if taken_back:
+                self._expected_until = now + EXPECTED_S
             self._leave_out(cut - taken_back)
             self._append(piece.samples[:, cut:])
         if len(self._held) == 1:
@@ -207,9 +214,11 @@ class GapFiller:
             self._ready.append(0)
             self.left_out += n
 
-    def _guess(self, n: int) -> None:
-        self._guessed += max(n, 0)
-        self._zeros(n)
+    def _guess(self, n: int, now: float) -> None:
+        if n > 0:
+            self._guessed += n
+            self._expected_until = now + EXPECTED_S
+            self._zeros(n)
 
     def _zeros(self, n: int) -> None:
         if n > 0:

@@ -122,6 +122,40 @@ def test_time_does_not_run_ahead_of_a_feed_that_is_too_fast(listen, make_card, m
     assert sum("faster than audio.rate_hz = 16000" in record.message for record in caplog.records) == 1
 
 
+class FasterLater:
+    """Loses 1.9 s of sound after 3 s, and is a tenth too fast from 60 s on."""
+
+    alive = True
+
+    def __init__(self, on_samples, clock):
+        begin, frames = clock.now(), np.full((HOP, 2), 0.25, np.float32)
+
+        def call():
+            age = clock.now() - begin
+            if not 3 < age < 4.9:
+                on_samples(frames)
+            clock.at(clock.now() + (0.01 if age < 60 else 0.01 / 1.1), call)
+
+        clock.at(begin + 0.01, call)
+
+    def close(self):
+        pass
+
+
+def test_what_comes_too_fast_long_after_a_gap_is_told(moments, caplog):
+    """The zeros of a gap stand for what may still come, but not for the sound of a minute later."""
+    source = LiveSource(
+        lambda on_samples: FasterLater(on_samples, moments), RATE, ChannelMap.of(Audio()), 10.0, moments
+    )
+    with source:
+        read(source, 59)
+        assert source.status().lost / RATE == pytest.approx(1.9, abs=0.03)
+        blocks = read(source, 31)
+    assert source.status().lost / RATE == pytest.approx(1.9 + 3.0 - 0.5, abs=0.1), "0.5 s ahead"
+    assert any(block.flags & AudioFlag.MISSING for block in blocks)
+    assert sum("faster than audio.rate_hz = 16000" in record.message for record in caplog.records) == 1
+
+
 class Flood:
     """Gives a second of sound, then a minute of it every tenth of a second: more than there is room for."""
 
