@@ -12,6 +12,7 @@ from ross_payload.angles import wrap
 from ross_payload.calibration.cross_spectrum import HEARD, HeadingSpectrum
 from ross_payload.calibration.turn_fit import Turn, TurnFit, fit, second_source
 from ross_payload.errors import AudioError
+from ross_payload.health import DEAD_DB
 from ross_payload.interfaces import Real
 
 FEWEST = 6  # headings
@@ -153,6 +154,10 @@ def _usable(spectra: Sequence[HeadingSpectrum]) -> list[HeadingSpectrum]:
     median = float(np.median([each.power_db for each in spectra]))
     usable = [each for each in spectra if each.coherence >= HEARD and each.power_db >= median - QUIETER_DB]
     if len(usable) < max(FEWEST, STEADY * len(spectra)):
+        louder = float(np.median([each.level_db for each in spectra]))
+        if abs(louder) > DEAD_DB:
+            dead = 1 if louder > 0 else 2
+            raise NotCalibrated(f"microphone {dead} is dead: it gives nothing, or {DEAD_DB:.0f} dB less than the other")
         raise NotCalibrated(
             f"the sound is not steady or too soft: expected to hear it at {math.ceil(STEADY * len(spectra))} of "
             f"{len(spectra)} headings or more, got {len(usable)}"

@@ -106,6 +106,17 @@ def test_what_does_not_serve_is_refused_in_one_line(headings, like, why):
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize(("dead", "rest"), [(1, 0.0), (2, 1e-3)])
+def test_a_dead_microphone_is_named(dead, rest):
+    noise = np.random.default_rng(1).standard_normal
+    heard = []
+    for samples, heading in zip(heard_at(around()), around(), strict=True):
+        samples[dead - 1] = rest * samples.std() * noise(samples.shape[1])
+        heard.append(heading_spectrum(samples, RATE, float(heading)))
+    with pytest.raises(NotCalibrated, match=f"microphone {dead} is dead"):
+        calibrate(heard, SPEED)
+
+
 def test_a_stretch_that_is_too_short_tells_nothing():
     assert heading_spectrum(np.zeros((2, 8000), np.float32), RATE, 0.0) is None
 
