@@ -163,10 +163,12 @@ class ThreadedRunner:
 
     def __init__(self, name: str, make: Make, clock: Clock) -> None:
         self._name = name
+        self._clock = clock
         self._direct = DirectRunner(name, make, clock)
         self._queue: Queue[VoiceBlock | None] = Queue(BLOCKS)
         self._refused = 0  # samples that found no room
         self._hangs = False
+        self._well = (0.0, 0)  # when the sink began to hang [s], and samples refused until then
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._work, name=f"sink {name}", daemon=True)
         self._thread.start()
@@ -191,12 +193,15 @@ class ThreadedRunner:
         try:
             self._queue.put_nowait(block)
         except Full:
-            self._refused += len(block.samples)
             if not self._hangs:
+                self._hangs, self._well = True, (self._clock.now(), self._refused)
                 log.warning("%s: the sink hangs: what it does not take is lost", self._name)
-            self._hangs = True
+            self._refused += len(block.samples)
         else:
-            self._hangs = self._hangs and self._queue.qsize() > BLOCKS // 2
+            if self._hangs and self._queue.qsize() <= BLOCKS // 2:
+                self._hangs, (since, refused) = False, self._well
+                lasted, count = self._clock.now() - since, self._refused - refused
+                log.warning("%s: works again after %.1f s; %d samples are missing", self._name, lasted, count)
 
     def close(self) -> None:
         """Have the rest written, and the sink closed, while the caller goes on."""

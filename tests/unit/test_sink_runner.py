@@ -174,6 +174,21 @@ def test_a_sink_that_hangs_holds_up_nobody_and_what_it_does_not_take_is_counted(
     assert len(sink.blocks) + runner.lost // 100 == BLOCKS + 20
 
 
+def test_how_long_a_sink_has_hung_and_what_that_cost_is_logged_when_it_takes_blocks_again(sink, caplog):
+    sink.go_on.clear()
+    clock = FakeClock()
+    runner = ThreadedRunner("stream 0", lambda: sink, clock)
+    for index in range(BLOCKS + 50):
+        runner.write(block(100 * index))
+    clock.sleep(27.0)
+    sink.go_on.set()
+    wait_for(lambda: len(sink.blocks) >= BLOCKS)
+    runner.write(block(100 * (BLOCKS + 50)))
+    runner.close()
+    runner.wait()
+    assert f"stream 0: works again after 27.0 s; {runner.lost} samples are missing" in caplog.text
+
+
 def test_a_sink_that_hangs_for_ever_is_left_behind(sink, monkeypatch, caplog):
     monkeypatch.setattr("ross_payload.listening.sink_runner.LAST_CALL_S", 0.01)
     sink.go_on.clear()
