@@ -41,6 +41,18 @@ def check_readable(path: Path) -> None:
         os.close(os.open(path, os.O_RDONLY | os.O_CLOEXEC))
 
 
+def check_audio(path: Path) -> None:
+    """Refuse what is no audio file, as far as its beginning tells.
+
+    Raises
+    ------
+    AudioError
+        With one line that says what is wrong.
+    """
+    with _opened(path):
+        pass
+
+
 def read_audio(path: Path) -> tuple[Real, int]:
     """Read a file, (n_samples, n_channels), and its rate [Hz].
 

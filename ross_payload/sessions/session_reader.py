@@ -5,20 +5,22 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ross_payload.audio.audio_files import check_audio
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.wav_files import WavReader
 from ross_payload.bounded_files import MB, open_regular, parsed_json, read_bounded
 from ross_payload.config import Audio, Config, validated
-from ross_payload.errors import ConfigError, refused_as
+from ross_payload.errors import AudioError, ConfigError, refused_as
 from ross_payload.interfaces import AudioFlag, Input, Score
 from ross_payload.json_values import are_finite
 from ross_payload.sessions import input_log, manifest
 from ross_payload.sessions.manifest import Manifest
 from ross_payload.sessions.npz_memory import unpacked
-from ross_payload.sessions.session_store import is_running
+from ross_payload.sessions.session_store import FILES, is_running
 
 T = TypeVar("T")
 LONGEST = 16 * MB  # line [bytes]: an event carries a density for every direction, never the samples
@@ -174,13 +176,16 @@ class RecordedSession:
         readers: dict[str, Callable[[], object]] = {
             "config.json": self.configuration,
             "memory.npz": lambda: unpacked(self.path / "memory.npz", _NoField, others=True),
+            "voice.npz": lambda: unpacked(self.path / "voice.npz", _NoField, others=True),
             "audio.wav": self._audio,
         }
+        if not is_running(self.path):  # the first samples of a voice may be on their way
+            readers |= {name: partial(check_audio, self.path / name) for name in FILES if name.endswith(".flac")}
         for name, read in readers.items():
             if (self.path / name).is_file():
                 try:
                     read()
-                except ConfigError as error:
+                except (ConfigError, AudioError) as error:
                     yield str(error).removeprefix(f"{self.path}{os.sep}")
 
     def _notes(self, found: Contents, samples: int, length: int) -> Iterator[str]:

@@ -86,7 +86,9 @@ def test_a_line_whose_values_cannot_be_is_damaged(whole, damage):
     assert any("line 41" in note for note in whole.contents().notes)
 
 
-@pytest.mark.parametrize("name", ["config.json", "audio.wav", "inputs.jsonl", "memory.npz"])
+@pytest.mark.parametrize(
+    "name", ["config.json", "audio.wav", "inputs.jsonl", "memory.npz", "voice.npz", "target.flac", "source-3.flac"]
+)
 def test_an_emptied_file_is_said(whole, name):
     assert not whole.contents().notes
     (whole.path / name).write_bytes(b"")  # as a power cut leaves it
