@@ -32,6 +32,8 @@ Check = Callable[[Config, Machine], Iterator[Finding]]
 SPACING_TOLERANCE = 0.05  # share by which a spacing may differ from that of a known array: 3 deg off at 20 deg
 LISTENING_S = 4.0
 LEAST_S = 3.0  # of that: the slowest judgement of the microphones takes so long
+SOFTEST_DB = -100.0  # re full scale: the noise of any microphone is louder
+OTHER_RATE = 0.1  # share of what should have come that is lost for another reason than a busy computer
 CHECK_WIRING = (
     "check the cable and audio.channels: `ross devices --tap`; some firmwares of arrays give zeros:"
     " docs/how-to/microphones"
@@ -66,14 +68,30 @@ def microphones(config: Config, clock: Clock) -> Iterator[Finding]:
         yield fail("microphones", expected, "name a source that lasts longer: `ross devices` lists what there is")
         return
     found = [TROUBLES[each] for each in TROUBLES if each in health.trouble]
+    if AudioTrouble.LOST in health.trouble and health.lost > OTHER_RATE * samples.shape[1]:
+        found[found.index(TROUBLES[AudioTrouble.LOST])] = _other_rate(config, health.lost, heard_s)
     for verdict, text, todo in found:
         yield Finding("microphones", verdict, text, todo)
     named = set() if any(verdict is Verdict.FAIL for verdict, _, _ in found) else set(processed(config, samples))
     for text in sorted(named):
         yield fail("channels", text, RAW)
-    if not found and not named:
-        levels = " and ".join(f"{level:.0f}" for level in health.level_db)
-        yield ok("microphones", f"{config.audio.source}, levels {levels} dB re full scale")
+    if found or named:
+        return
+    levels = " and ".join(f"{level:.0f}" for level in health.level_db)
+    heard = f"{config.audio.source}, levels {levels} dB re full scale"
+    if max(health.level_db) < SOFTEST_DB:
+        yield warn(
+            "microphones", f"hardly any sound: {heard}", "are they muted? turn the gain of the card up: alsamixer"
+        )
+    else:
+        yield ok("microphones", heard)
+
+
+def _other_rate(config: Config, lost: int, heard_s: float) -> tuple[Verdict, str, str]:
+    """What is told when more samples are lost, or come too fast, than a computer that is too busy misses."""
+    rate = config.audio.rate_hz
+    todo = f"has what arrives another rate than audio.rate_hz = {rate}? if not, raise audio.latency_ms"
+    return Verdict.WARN, f"{lost / rate:.1f} s of samples lost, or too many, in {heard_s:.0f} s", todo
 
 
 def processed(config: Config, samples: Samples) -> Iterator[str]:

@@ -10,7 +10,7 @@ from ross_payload.clock import SystemClock
 from ross_payload.doctor import computer_checks, examination, speed, wire_checks
 from ross_payload.doctor.findings import Verdict, ok, warn, worst
 from ross_payload.doctor.machine import Machine
-from ross_payload.health import AudioTrouble
+from ross_payload.health import AudioHealth, AudioTrouble
 from ross_sim.clock import SimClock
 
 
@@ -115,6 +115,22 @@ def test_clipping_is_a_warning(tmp_path):
     verdict, text = recording(tmp_path, np.clip(20 * noise(1), -1, 1), noise(2))
     assert verdict is Verdict.WARN
     assert "full scale" in text
+
+
+def test_microphones_that_give_hardly_anything_are_a_warning(tmp_path):
+    verdict, text = recording(tmp_path, 1e-5 * noise(1), 1e-5 * noise(2))
+    assert verdict is Verdict.WARN
+    assert "hardly any sound" in text
+
+
+@pytest.mark.parametrize(("lost_s", "advice"), [(2.0, "another rate"), (0.1, "another USB port")])
+def test_so_many_lost_samples_as_of_another_rate_are_told_as_such(monkeypatch, lost_s, advice):
+    health = AudioHealth(trouble=AudioTrouble.LOST, lost=round(lost_s * 16000), level_db=(-20.0, -20.0))
+    heard = np.stack([noise(1), noise(2)]).astype(np.float32)
+    monkeypatch.setattr(examination, "measured", lambda config, clock: (health, heard))
+    verdict, text = said(examination.microphones(config(), SimClock()))
+    assert verdict is Verdict.WARN
+    assert advice in text
 
 
 def test_microphones_that_are_not_there_are_a_failure(tmp_path):
