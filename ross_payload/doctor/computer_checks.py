@@ -10,7 +10,7 @@ from ross_payload.doctor.findings import Finding, fail, ok, warn
 from ross_payload.doctor.machine import Machine
 from ross_payload.errors import ConfigError
 from ross_payload.named_paths import nearest_there
-from ross_payload.service.state_folder import recording_path, state_path, unusable_recordings
+from ross_payload.service.state_folder import is_read_only, recording_path, state_path, unusable_recordings
 from ross_payload.voiceprint import VoiceStore
 from ross_payload.voiceprint.model_folder import ModelFolder
 
@@ -92,6 +92,9 @@ def state(config: Config, machine: Machine) -> Iterator[Finding]:
     there = nearest_there(machine.path(folder))
     if machine.may_use(there):
         yield ok("state", f"{folder} can be written")
+    elif is_read_only(there):
+        todo = "mount it for writing; one that is damaged, as an SD card, is mounted so by the system: see dmesg"
+        yield fail("state", f"{folder} is on a file system that is mounted read-only", todo)
     else:
         todo = "run as the user of the service (sudo -u ross), or give it the folder: sudo chown ross"
         yield fail("state", f"{folder} cannot be written by this user", todo)

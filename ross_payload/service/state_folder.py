@@ -19,6 +19,7 @@ if TYPE_CHECKING:  # `ross health` does without it
     from ross_payload.config import Config
 
 log = logging.getLogger(__name__)
+CLOSED = (errno.EACCES, errno.EROFS)  # what is said of a folder that is there and may not be written
 
 
 def named_folder(named: str, environment: Mapping[str, str] = os.environ) -> Path:
@@ -92,7 +93,7 @@ def check_state_folder(config: Config) -> None:
     """
     folder = state_path(config)
     number = _obstacle(folder)
-    if number and (number != errno.EACCES or nearest_there(folder) != folder):
+    if number and (number not in CLOSED or nearest_there(folder) != folder):
         raise _unmade(folder, number)
 
 
@@ -103,7 +104,7 @@ def unusable_recordings(folder: Path, place: Path | None = None) -> str:
     """
     place = place or folder
     number = _obstacle(place)
-    verb = "written" if number == errno.EACCES and nearest_there(place) == place else "made"
+    verb = "written" if number in CLOSED and nearest_there(place) == place else "made"
     return f"recording.folder: {folder} cannot be {verb}: {os.strerror(number)}" if number else ""
 
 
@@ -117,7 +118,14 @@ def _obstacle(folder: Path) -> int:
     there = nearest_there(folder)
     if not os.path.isdir(there):  # noqa: PTH112 - Path.is_dir raises where a link leads into a closed folder
         return errno.EEXIST if there == folder else errno.ENOTDIR
-    return 0 if os.access(there, os.W_OK | os.X_OK) else errno.EACCES
+    if os.access(there, os.W_OK | os.X_OK):
+        return 0
+    return errno.EROFS if is_read_only(there) else errno.EACCES
+
+
+def is_read_only(there: Path) -> bool:
+    """Whether what is there lies on a file system that is mounted read-only."""
+    return bool(os.statvfs(there).f_flag & os.ST_RDONLY)
 
 
 def _expanded(key: str, named: str) -> Path:

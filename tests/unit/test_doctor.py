@@ -1,5 +1,8 @@
 """The computer is a folder and a table of what its programs print; ports, files and permissions are real."""
 
+import os
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import soundfile
@@ -11,6 +14,7 @@ from ross_payload.doctor import computer_checks, examination, speed, wire_checks
 from ross_payload.doctor.findings import Verdict, ok, warn, worst
 from ross_payload.doctor.machine import Machine
 from ross_payload.health import AudioHealth, AudioTrouble
+from ross_payload.service.state_folder import check_state_folder
 from ross_sim.clock import SimClock
 
 
@@ -169,6 +173,19 @@ def test_a_state_folder_of_others_is_a_failure_a_recording_folder_only_where_it_
     assert said(computer_checks.state(config(), foreign))[0] is Verdict.FAIL
     assert said(computer_checks.recordings(config(), foreign))[0] is Verdict.WARN
     assert said(computer_checks.recordings(config(recording={"always": True}), foreign))[0] is Verdict.FAIL
+
+
+def test_a_disk_that_is_mounted_read_only_is_no_matter_of_permissions(tmp_path, monkeypatch):
+    """As an SD card with errors is by the kernel."""
+    monkeypatch.setattr(os, "access", lambda path, mode: not mode & os.W_OK)
+    monkeypatch.setattr(os, "statvfs", lambda path: SimpleNamespace(f_flag=os.ST_RDONLY))
+    kept = config(service={"state_dir": str(tmp_path)}, recording={"folder": str(tmp_path)})
+    verdict, text = said(computer_checks.state(kept, Machine()))
+    assert verdict is Verdict.FAIL
+    assert text.startswith(f"{tmp_path} is on a file system that is mounted read-only")
+    text = said(computer_checks.recordings(kept, Machine()))[1]
+    assert text.startswith(f"recording.folder: {tmp_path} cannot be written: Read-only file system")
+    check_state_folder(kept)  # a stop needs no disk: the payload runs
 
 
 @pytest.mark.parametrize(("name", "why"), [("file/all", "Not a directory"), ("file", "File exists")])
