@@ -164,17 +164,20 @@ class CommandProtocol:
         """Send an order, first or again.
 
         What is done at once is harmless when done twice, and must not be taken for its like of a moment ago: arm,
-        stop, arm. A task must not be done twice, nor what the payload has already, or may have, and a later order may
-        follow: after a cancel a task, after a re-arming a stop of somebody else.
+        stop, arm; a stop never is. A task must not be done twice, nor what the payload has already, or may have, and a
+        later order may follow: after a cancel a task, after a re-arming a stop of somebody else. Of stops in a row the
+        latest is sent for all: a key that is held must not fill a slow link.
         """
         answered = one.answered is not None or one.doubted > 0
         heard = one.heard or (isinstance(one.order, (Cancel, Rearm)) and answered)
-        new = one.repeated and not (one.order.task or heard)
+        new = one.repeated and not (one.order.task or heard or isinstance(one.order, Stop))
         one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, Stop) else ACK_TIMEOUT_S)
         confirmation = 0 if new else min(one.sent + (HEARD if one.heard else 0), MOST_CONFIRMATION)
         one.sent += 1
         who = one.who
-        self._send(long_message(one.order.number, one.order.numbers, who, confirmation), who)
+        later = [other for other in self._of(who) if other.number > one.number and not other.over]
+        if not isinstance(one.order, Stop) or not any(isinstance(other.order, Stop) for other in later):
+            self._send(long_message(one.order.number, one.order.numbers, who, confirmation), who)
 
     def _give_way(self, who: ComponentId, order: Order) -> None:
         """What was never answered is not said again where it would undo this order.

@@ -74,6 +74,30 @@ def test_an_unanswered_stop_is_said_no_more_after_an_arming_or_its_like(order, s
     assert script.states()[-1] == "done"
 
 
+def test_of_many_stops_in_a_row_the_latest_is_sent_five_times_a_second_and_all_end_alike(script):
+    """A key that is held gives thirty a second, and a slow link carries a hundred frames."""
+    for _ in range(60):
+        script.orders.order(WHO, Stop())
+        script.wait(0.05)
+    pressed = len(script.heard)
+    assert pressed <= 60 * 1.2
+    script.wait(2.0)
+    assert len(script.heard) - pressed == pytest.approx(10, abs=1)
+    script.wait(1.0)
+    assert set(script.states()) == {"no_answer"}
+    script.ack(STOP, Result.ACCEPTED)
+    assert set(script.states()) == {"done"}
+
+
+def test_a_second_stop_counts_its_frames_so_that_a_log_has_two(script):
+    """With the confirmation 0 every one of a hundred frames would be a stop of its own."""
+    for _ in range(2):
+        script.orders.order(WHO, Stop())
+        script.wait(5)
+    first, second = (sent for _, sent in script.heard if sent.confirmation == 0)
+    assert first.command == second.command == STOP
+
+
 def test_a_payload_that_restarts_is_told_the_stop_that_it_has_not_answered(script):
     script.orders.order(WHO, Turn(40))
     script.orders.order(WHO, Stop())
