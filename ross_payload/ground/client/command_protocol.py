@@ -120,9 +120,9 @@ class CommandProtocol:
         return next(over, next(others, None))
 
     def cancel(self, number: int) -> None:
-        """Ask to end an order; one that is over stays as it is."""
+        """Ask to end an order; one that is over stays as it is, and so does a stop, which only a re-arming ends."""
         wanted = self._open.get(number)
-        if wanted is not None and not wanted.over:
+        if wanted is not None and not (wanted.over or isinstance(wanted.order, Stop)):
             wanted.cancelling = 0
             self._send_cancel(wanted)
 

@@ -98,6 +98,19 @@ def test_a_second_stop_counts_its_frames_so_that_a_log_has_two(script):
     assert first.command == second.command == STOP
 
 
+def test_a_stop_cannot_be_cancelled(script):
+    """Nothing ends it but a re-arming; to cancel it would only keep it from being sent again."""
+    number = script.orders.order(WHO, Stop())
+    script.wait(1)
+    script.orders.cancel(number)
+    script.wait(3)
+    script.orders.cancel(number)
+    said = len(script.heard)
+    script.wait(2)
+    assert {message.get_type() for _, message in script.heard} == {"COMMAND_LONG"}
+    assert len(script.heard) - said == pytest.approx(10, abs=1)
+
+
 def test_a_payload_that_restarts_is_told_the_stop_that_it_has_not_answered(script):
     script.orders.order(WHO, Turn(40))
     script.orders.order(WHO, Stop())

@@ -57,7 +57,7 @@ async def get_order(call: Call, where: OfOrder, query: Wait) -> page_answers.Ord
 
 
 async def cancel_order(call: Call, where: OfOrder, query: Wait) -> page_answers.OrderStatus:
-    """Ask the payload to end one order; one that is over stays as it is."""
+    """Ask the payload to end one order; one that is over stays as it is, and so does a stop."""
     return await _waited(call, call.operator.cancel(where.who, where.number), query.wait)
 
 

@@ -29,7 +29,7 @@ function line(page, told, each) {
     <span class="soft when">${ago(page.now() - each.since)}</span>
     ${running && known(each.progress) ? bar(each) : nothing}
     ${
-      running
+      running && each.words !== "stop" // only a re-arming ends one
         ? html`<button
             type="button"
             class="quiet"
