@@ -70,6 +70,7 @@ class Payload(StreamRequests):
         self._station = station
         self._state = station.fleet.payloads[component]
         self._commands = CommandProtocol(station.send, *us)
+        self._commands.on_state(self._state)  # it was received
         self._settings = ParamClient(station.send, component, *us)
         self._statuses: dict[int, CommandStatus] = {}
         self._event_streams: WeakSet[EventStream] = WeakSet()

@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+import time
 
 import numpy as np
 import pytest
@@ -139,6 +140,14 @@ def test_a_request_that_nobody_answers_is_repeated_and_then_lost():
     error = with_payload(station, lambda payload: raised(payload.turn(10)))
     assert isinstance(error, LinkLost)
     assert [command.confirmation for command in station.commands()] == [0, 1, 2, 3, 4]
+
+
+def test_a_stop_is_lost_after_two_seconds_though_nothing_came_since_the_payload_was_received():
+    station = Scripted()
+    asked = time.monotonic()
+    error = with_payload(station, lambda payload: raised(payload.stop()))
+    assert isinstance(error, LinkLost)
+    assert time.monotonic() - asked < 6.0
 
 
 def test_waiting_no_longer_does_not_end_the_task():
