@@ -25,7 +25,7 @@ from ross_protocols.mavlink.values import Text
 
 SHORTEST = 0.02  # [s] between two of a kind, however often somebody asks for them
 RESERVE = 130  # bytes left to answers: an acknowledgement is never held back by what repeats itself
-ENOUGH = 0.9  # [s] between two statuses, when there is not room for more
+ENOUGH = 0.9  # [s] between two heartbeats, and two statuses, when there is not room for more
 TEXTS = 24  # parts of texts that wait for room; then the oldest texts go
 EARLY = 1e-6  # [s], of rounding
 REQUESTED = -1  # stands for news: sent once more, whatever the period
@@ -93,18 +93,21 @@ class Stream:
 
     def period(self, message_id: int) -> float | None:
         """Return how often a message is sent [s], infinite: never; None: there is no such stream."""
-        wanted = self._asked.get(message_id, self._usual.get(message_id))
-        if wanted is None or message_id == BEAT or math.isinf(self.limit):
+        usual = self._usual.get(message_id)
+        wanted = self._asked.get(message_id, usual)
+        if wanted is None or usual is None or math.isinf(self.limit):
             return wanted
-        return wanted * max(self._load() / self.limit, 1.0)
+        scaled = wanted * max(self._load() / self.limit, 1.0)
+        return min(scaled, usual) if message_id == BEAT else scaled
 
     def _load(self) -> float:
-        """Return how much the messages would take at the periods that are wanted [bytes/s]."""
-        return sum(FRAME / self._asked.get(number, usual) for number, usual in self._usual.items() if number != BEAT)
+        """Return how much the messages would take at the periods that are wanted [bytes/s]; a usual heartbeat not."""
+        wanted = ((number, self._asked.get(number, usual), usual) for number, usual in self._usual.items())
+        return sum(FRAME / period for number, period, usual in wanted if number != BEAT or period < usual)
 
     def request(self, board: Board, message_id: int) -> bool:
         """Tell a message once more, soon; False: there is nothing of it to tell."""
-        keys = [key for key, item in board.items() if key[1] == message_id and self._need(key, item) <= self.most]
+        keys = [key for key, item in board.items() if key[1] == message_id and self._need(key[0], item) <= self.most]
         for key in keys:
             self._sent[key] = _Sent(REQUESTED, -math.inf, -math.inf)
         self._seen = -1
@@ -113,8 +116,8 @@ class Stream:
     def due(self, board: Board, now: float, room: float) -> list[Content]:
         """Return what is to be sent at ``now`` [s]; what finds no room now holds back what matters less."""
         chosen: list[Content] = []
-        for key, item in self._waiting(board, now):
-            need = self._need(key, item)
+        for rank, key, item in self._waiting(board, now):
+            need = self._need(rank, item)
             if need > self.most:
                 continue
             if need > room:
@@ -128,9 +131,9 @@ class Stream:
         self._rest(board)
         return chosen
 
-    def _need(self, key: Key, item: Item) -> float:
+    def _need(self, rank: Rank, item: Item) -> float:
         """Return how much room there has to be for a value [bytes]."""
-        reserved = 0 if key[0] is Rank.HEARTBEAT or math.isfinite(self.limit) else RESERVE
+        reserved = 0 if rank is Rank.HEARTBEAT or math.isfinite(self.limit) else RESERVE
         return self._size(item.value) + reserved
 
     def _rest(self, board: Board) -> None:
@@ -138,19 +141,19 @@ class Stream:
         sent = (self._sent[key].due for key, _ in board.items() if key in self._sent and self._period(key) < math.inf)
         self._seen, self._quiet_until = board.news, min(sent, default=math.inf)
 
-    def _waiting(self, board: Board, now: float) -> Iterator[tuple[Key, Item]]:
+    def _waiting(self, board: Board, now: float) -> Iterator[tuple[Rank, Key, Item]]:
         due = [(key, item) for key, item in board.items() if self._is_due(key, item, now)]
         ranked = sorted((*self._urgency(key, item, now), place) for place, (key, item) in enumerate(due))
-        yield from (due[place] for rank, _, place in ranked if rank < Rank.TEXT)
-        yield from (((Rank.TEXT, 0, 0), Item(text, 0)) for text in list(self._texts))
-        yield from (due[place] for rank, _, place in ranked if rank > Rank.TEXT)
+        yield from ((rank, *due[place]) for rank, _, place in ranked if rank < Rank.TEXT)
+        yield from ((Rank.TEXT, (Rank.TEXT, 0, 0), Item(text, 0)) for text in list(self._texts))
+        yield from ((rank, *due[place]) for rank, _, place in ranked if rank > Rank.TEXT)
 
     def _urgency(self, key: Key, item: Item, now: float) -> tuple[Rank, float]:
         """Return what goes first, and among equals what has waited longest; news have waited for ever."""
         sent = self._sent.get(key)
         if sent is None or sent.news != item.news:
             return key[0], -math.inf
-        extra = key[0] is Rank.STATUS and now < sent.last + ENOUGH - EARLY
+        extra = key[0] <= Rank.STATUS and now < sent.last + ENOUGH - EARLY
         return Rank.EXTRA if extra else key[0], sent.due
 
     def _is_due(self, key: Key, item: Item, now: float) -> bool:

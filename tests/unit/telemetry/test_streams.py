@@ -94,6 +94,31 @@ def test_a_short_budget_keeps_heartbeat_and_a_status_each_second_and_slows_the_r
     assert {value.source for _, value in heard if isinstance(value, Source)} == set(range(20)), "all of them in turn"
 
 
+def test_heartbeats_that_somebody_asks_for_more_often_leave_the_rest_its_place() -> None:
+    """Fifty a second would take 1000 of 200 bytes/s, and what answers need."""
+    link, board = stream(), full_board()
+    assert link.set_period(MESSAGE_IDS[Heartbeat], SHORTEST)
+    heard = told(link, board, 60.0, rate=200)
+    for kind in (Heartbeat, Status):
+        times = [time for time, value in heard if type(value) is kind]
+        assert max(after - before for before, after in pairwise(times)) < 1.5
+    assert count(heard, Source) >= 20
+    assert link.due(board, 60.0, RESERVE + 19) == []
+    other = stream()
+    assert other.set_period(MESSAGE_IDS[Heartbeat], SHORTEST)
+    assert count(told(other, board, 10.0), Heartbeat) > 450, "with room for them they come as often as asked for"
+
+
+def test_heartbeats_that_somebody_asks_for_more_often_share_what_a_component_may_take() -> None:
+    link = stream()
+    link.limit = 100.0
+    assert link.period(MESSAGE_IDS[Heartbeat]) == 1.0
+    assert link.set_period(MESSAGE_IDS[Heartbeat], SHORTEST)
+    assert 0.7 < (link.period(MESSAGE_IDS[Heartbeat]) or 0.0) <= 1.0
+    assert link.set_period(MESSAGE_IDS[Heartbeat], None)
+    assert link.period(MESSAGE_IDS[Heartbeat]) == 1.0
+
+
 def test_with_room_for_it_status_comes_as_often_as_usual() -> None:
     """20 + 4 x 80 + 2 x 70 / 5 is 368 bytes/s."""
     heard = told(stream(), full_board(), 30.0, rate=400)
