@@ -33,7 +33,7 @@ SPEED = 2700.0  # of a burst [bytes/s]: half of a line of 57600 baud
 SHARE = 0.5  # of what a link may carry: telemetry has the rest
 AT_ONCE = 8  # portions of files between two looks at the time: the thread has other things to do
 UNSEEN = 0.04  # [s] between two looks, at most, that a link makes up for
-AROUND = 24  # bytes of a frame beside the data
+AROUND = 27  # bytes of a frame beside the data
 AGAIN = 3.0  # [s] in which the same request is one that came again
 BURST, RATE = 40, 20.0  # requests at once, and [1/s]; what is more is as if lost
 log = logging.getLogger(__name__)
@@ -64,6 +64,8 @@ class FtpServer:
         Tells what every link may carry [bytes/s].
     passing
         Tells which files there are beside these at present, by name.
+    claim
+        Tells whether a link, by its URL, has room for a frame of so many bytes, and sees to it that it gets it.
     """
 
     def __init__(
@@ -73,12 +75,15 @@ class FtpServer:
         recordings: Recordings | None = None,
         rates: Callable[[], Mapping[str, float]] = dict,
         passing: Callable[[], Mapping[str, bytes]] = dict,
+        *,
+        claim: Callable[[str, int], bool] = lambda link, size: True,
     ) -> None:
         self._component = component
         self._lasting = files
         self._passing = passing
         self._recordings = recordings
         self._rates = rates
+        self._claim = claim
         self._sessions: OrderedDict[_Key, Session] = OrderedDict()
         self._bucket = TokenBucket(BURST, RATE)
         self._free: dict[str, float] = {}  # when a link may take the next portion [s]
@@ -111,20 +116,23 @@ class FtpServer:
     def tick(self, now: float) -> None:
         """Send what has come from the disk, and the portions of files that are due."""
         self._now = now
-        left = AT_ONCE
+        left, full = AT_ONCE, set[str]()  # links without room for what is first in line
         for key, session in tuple(self._sessions.items()):
-            if session.job is not None and session.job[1].done():
+            if session.job is not None and session.job[1].done() and self._claim(session.link, AROUND + MOST):
                 self._done(key, session)
             while left:
-                request, content = session.next, session.content
-                if request is None or content is None or now < self._free.get(session.link, -math.inf):
+                request, content, link = session.next, session.content, session.link
+                if request is None or content is None or link in full or now < self._free.get(link, -math.inf):
+                    break
+                if not self._has_room(session, content, request):
+                    full.add(link)
                     break
                 answer = self._portion(session, content, request)
                 if answer is None:
                     break
                 left -= 1
                 session.sent(request, answer)
-                self._send(answer, key.client, session.link)
+                self._send(answer, key.client, link)
                 self._sessions.move_to_end(key)  # the others first, the next time
 
     # ------------------------------------------------------------------------------------- open, list, check
@@ -213,24 +221,29 @@ class FtpServer:
         """
         if session.content is None:
             return _refused(request, Error.INVALID_SESSION)
-        in_memory = isinstance(session.content, InMemory)
+        at_once = isinstance(session.content, InMemory) and self._has_room(session, session.content, request)
         if request.opcode == Opcode.BURST_READ:
             session.ends = self._now + LONGEST_BURST
             if session.goes_on(request):
                 return None
             session.burst = request
-            answer = self._portion(session, session.content, request) if in_memory else None
+            answer = self._portion(session, session.content, request) if at_once else None
             if answer is not None:
                 session.sent(request, answer)
             return answer
         if request.size > MOST:
             return _refused(request, Error.INVALID_DATA_SIZE)
-        if in_memory:
+        if at_once:
             self._sessions.move_to_end(key)
             return self._portion(session, session.content, request)
         if request not in session.reads and len(session.reads) < MOST_READS:
             session.reads.append(request)  # in the time of its link
         return None
+
+    def _has_room(self, session: Session, content: Content, request: Packet) -> bool:
+        """Tell whether a portion has room on its link; telemetry leaves it the room until it has."""
+        size = min(request.size or MOST, MOST, max(content.size - request.offset, 1))
+        return self._claim(session.link, AROUND + size)
 
     def _portion(self, session: Session, content: Content, request: Packet) -> Packet | None:
         """Return the answer to a request for a portion; None: the disk has not given it yet."""

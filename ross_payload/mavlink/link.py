@@ -23,6 +23,7 @@ BURST = 0.5  # [s] of the rate of a budget that may go out at once
 LARGEST_FRAME = 293  # signed, with a full payload [bytes]
 SERIAL_SHARE = 0.5  # of a serial line's bytes that we may use
 BITS_PER_BYTE = 10  # on a serial line: start bit, eight, stop bit
+CLAIM_S = 0.5  # [s] for which room is left to an answer that does not ask for it again
 TIMES_BURST, TIMES_RATE = 20, 20.0  # heartbeats for those whose signing time is behind, at once, and [1/s]
 
 
@@ -35,6 +36,7 @@ class LinkStatus:
     up: bool  # connected, as far as one can know
     room: float  # what the budget allows at this moment [bytes]; inf: anything
     most: float  # what it ever allows at once [bytes]
+    claimed: float  # of that, what waits for an answer that needs so much at once [bytes]
     peers: tuple[ComponentId, ...]  # heard lately
     sent: int  # frames
     sent_bytes: int
@@ -78,6 +80,7 @@ class Channel:
         self._times = TokenBucket(TIMES_BURST, TIMES_RATE)
         self._baud = port.counts.baud
         self._budget = budget_of(config, self._baud)
+        self._claim = 0.0, -math.inf  # how much [bytes], and until when [s]
         self._counts = {"sent": 0, "sent_bytes": 0, "dropped": 0, "received": 0, "refused": 0}
 
     @property
@@ -101,6 +104,15 @@ class Channel:
         self._counts["sent"] += 1
         self._counts["sent_bytes"] += len(frame)
         return frame
+
+    def claim(self, size: int, now: float) -> bool:
+        """Tell whether there is room for an unsigned frame of so many bytes; if not, what repeats itself leaves it."""
+        size += 0 if self._guardian is None else SIGNATURE_SIZE
+        if there := self._budget.tokens(now) >= size:
+            self._claim = (0.0, -math.inf) if size >= self._claim[0] else self._claim  # a larger one still waits
+        else:
+            self._claim = float(size), now + CLAIM_S
+        return there
 
     def receive(self, now: float) -> Iterator[Arrived]:
         """Give what has arrived and may be believed; `meet` what is not an echo of ours."""
@@ -146,7 +158,7 @@ class Channel:
         mine = self._counts | {"dropped": self._counts["dropped"] + counts.dropped + counts.failed}
         return LinkStatus(
             url=self.config.url, role=self.config.role, up=counts.up, room=self._budget.tokens(now),
-            most=self._budget.burst,
+            most=self._budget.burst, claimed=self._claim[0] if now < self._claim[1] else 0.0,
             peers=tuple(present), lost=decoded.lost, bad=sum(each.bad for each in decoded.decoders),
             unknown=sum(each.unknown for each in decoded.decoders), received_bytes=decoded.received_bytes,
             reconnects=counts.reconnects, twins=self.twins, error=counts.error, **mine,

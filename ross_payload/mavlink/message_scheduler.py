@@ -61,6 +61,7 @@ class Stream:
         self._size = size
         self.limit = math.inf  # what the messages may take beside the heartbeat [bytes/s]; infinite: what there is
         self.most = math.inf  # what the link ever takes at once [bytes]
+        self.claimed = 0.0  # of that, what waits for an answer [bytes]
         self._sent: dict[Key, _Sent] = {}
         self._texts: deque[Text] = deque()
         self._seen = -1  # news of the board when everything had been sent
@@ -120,7 +121,7 @@ class Stream:
             need = self._need(rank, item)
             if need > self.most:
                 continue
-            if need > room:
+            if need + (0 if rank is Rank.HEARTBEAT else max(self.claimed - RESERVE, 0)) > room:
                 return chosen
             room -= self._size(item.value)
             chosen.append(item.value)
@@ -284,7 +285,8 @@ class MessageScheduler:
             rooms[status.url] = self._room(status)
             if status.url not in self._outlets:
                 self._outlets[status.url] = self._outlet(status.url, status.role == "autopilot")
-            self._outlets[status.url].stream.most = status.most
+            stream = self._outlets[status.url].stream
+            stream.most, stream.claimed = status.most, status.claimed
         if self._share is not None:
             for url, rate in self._links.rates().items():
                 self._outlets[url].stream.limit = self._share * rate

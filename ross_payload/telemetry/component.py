@@ -183,7 +183,7 @@ class Telemetry:
         def passing() -> dict[str, bytes]:
             return {description_file(number): text.encode() for number, text in descriptions().items() if text}
 
-        return FtpServer(component, files(), recordings, self._links.rates, passing)
+        return FtpServer(component, files(), recordings, self._links.rates, passing, claim=self._links.claim)
 
     # ------------------------------------------------------------------------------------- from any thread
 

@@ -10,11 +10,14 @@ from ross_payload.config.parameter_table import TABLE
 from ross_payload.events import Answer, Answered
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.interfaces import ActuatorState, Capabilities, Feedback
+from ross_payload.mavlink.component_info import files
 from ross_payload.telemetry.snapshot import information
 from ross_payload.timebase import Timebase
 from ross_protocols.mavlink import values as v
 from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common, ross
+from ross_protocols.mavlink.ftp import Opcode, Packet, message_of, packet_of
 from ross_sim.clock import SimClock
 
 GROUND = Link(url="udpout:127.0.0.1:14550")
@@ -73,6 +76,27 @@ def test_each_link_is_told_as_often_as_it_asks_for(aloft) -> None:
         sky.live(10.0)
     rich, radio = (len(port.values(v.Status)) for port in sky.ports)
     assert (rich, radio) == (pytest.approx(40, abs=1), pytest.approx(10, abs=1))
+
+
+def test_a_file_is_read_on_a_slow_link_on_which_more_waits_than_it_carries(aloft) -> None:
+    """A portion takes most of what 350 bytes/s may save up: what repeats itself leaves it the room."""
+    with aloft(RADIO, give=lambda order: None) as sky:
+        (port,) = sky.ports
+        port.call(common.MAVLink_command_long_message(1, 191, 511, 0, 54001, 50_000, 0, 0, 0, 0, 0))
+        sky.live(5.0)
+        port.packets.clear()
+        port.call(message_of(Packet(3, Opcode.OPEN_RO, size=14, data=b"parameter.json"), ComponentId(1, 191)))
+        for number in range(10):
+            port.call(message_of(Packet(5 + number, Opcode.READ, size=239, offset=239 * number), ComponentId(1, 191)))
+        sent = sky.links.status()[0].sent_bytes
+        sky.live(20.0)
+        spent = sky.links.status()[0].sent_bytes - sent
+    told = [packet_of(message) for message in port.messages("FILE_TRANSFER_PROTOCOL")]
+    assert b"".join(answer.data for answer in told if answer.asked == Opcode.READ) == files()["parameter.json"][:2390]
+    assert spent < 20 * 350 + 300
+    assert len(port.values(v.Heartbeat)) >= 19
+    assert len(port.values(v.Status)) >= 10
+    assert sky.links.status()[0].dropped == 0
 
 
 def test_nobody_can_silence_a_heartbeat(aloft) -> None:
