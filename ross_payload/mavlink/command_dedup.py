@@ -16,6 +16,7 @@ DOUBTED = 3.0  # [s] within which it does even when as many frames were lost as 
 RESENT_EVERY = 1.0  # [s] from one frame of a command to the next: a new one cannot have reached a confirmation sooner
 ON_THE_WAY = 0.5  # [s] by which the way of one frame may take longer than that of another
 LATE = 30.0  # [s] within which a frame may arrive late
+COPIED = 2.0  # [s] within which one may come on another link, too
 RESTARTED_AFTER_S = (
     0.5  # [s] without a later frame, after which the number 0 is the first of a sender that has restarted
 )
@@ -35,10 +36,21 @@ class Origin:
     way: Way
     place: int
     lost: int = 0  # how many that its sender has sent before it on the way were lost, or have not arrived yet
+    sequence: int | None = None  # as in the frame
+    time: float = -math.inf  # when it arrived [s]
 
     def not_after(self, other: Origin) -> bool:
         """Tell whether this frame is known to have been sent before another one, or to be the same."""
         return self.way == other.way and self.place <= other.place
+
+    def is_copy(self, other: Origin) -> bool:
+        """Tell whether this frame may be another one that has come on another link before.
+
+        A router or a client that knows two ways to us sends it on both. A station that counts what it sends on each by
+        itself seldom says the same with the same number within so short a time.
+        """
+        alike = self.sequence is not None and self.sequence == other.sequence
+        return alike and self.way[0] != other.way[0] and self.time - other.time < COPIED
 
 
 class FrameCounter:
@@ -71,7 +83,7 @@ class FrameCounter:
         self._latest[sender, way] = latest
         if len(self._latest) > MOST:
             self._latest.popitem(last=False)
-        return Origin(sender, way, place, latest.lost)
+        return Origin(sender, way, place, latest.lost, sequence, now)
 
     def lost(self, origin: Origin) -> int:
         """Return how many frames of a sender were lost on a way so far."""
@@ -103,7 +115,7 @@ class Entry:
     kept: Entry | None = None  # the one before, until this one is accepted: what is refused takes nobody's place
     silent: bool = False  # what is said of it would look like an answer to one that waits to replace it
     lost: int | None = None  # frames of its sender that were lost on its way until it ended
-    past: tuple[tuple[Command, float], ...] = ()  # the commands before it, and when they were heard, or ended, last [s]
+    past: tuple[tuple[Command, float, Origin], ...] = ()  # those before it, when they were heard, or ended, last [s]
 
     @property
     def current(self) -> Entry:
@@ -136,7 +148,7 @@ class RecentCommands:
         key = entry.origin.sender, entry.command.number
         before = self._entries.pop(key, None)
         if before is not None:
-            entry.past = (*before.past, (before.command, before.time))[-MOST_PAST:]
+            entry.past = (*before.past, (before.command, before.time, before.origin))[-MOST_PAST:]
         self._entries[key] = entry
         if len(self._entries) > MOST:
             self._entries.popitem(last=False)
@@ -197,8 +209,11 @@ def _not_after(entry: Entry, origin: Origin, now: float) -> bool:
 
 def _is_late(entry: Entry, command: Command, origin: Origin, now: float) -> bool:
     """Tell whether a frame that arrives now was sent before a command of its number, or is that one."""
-    if command.confirmation > 0 and origin.way != entry.origin.way:
-        return any(alike(other, command) and now - time < RESENT for other, time in entry.past)
+    if origin.way != entry.origin.way:
+        past = any(alike(other, command) and now - time < RESENT for other, time, _ in entry.past)
+        sent = [(entry.command, entry.origin), *((other, whence) for other, _, whence in entry.past)]
+        copied = any(alike(other, command) and origin.is_copy(whence) for other, whence in sent)
+        return copied or (past and command.confirmation > 0)
     if not _not_after(entry, origin, now):
         return False
     return command.confirmation <= entry.command.confirmation or not alike(entry.command, command)

@@ -114,6 +114,51 @@ def two_links(sky):
     return Payload(air), type(air.ground)(radio)
 
 
+def copied(payload, radio, number, *numbers, later=0.05):
+    """Send the same frame on both links, on the second one a little later; return the results."""
+    payload.ground.long(number, *numbers)
+    frame = payload.ground.air.up[-1]
+    heard = payload.wait(later)
+    radio.air.up.append(frame)
+    heard += payload.wait(1.0)
+    return [one.result for one in heard if one.get_type() == "COMMAND_ACK" and one.command == number]
+
+
+@pytest.mark.parametrize("later", [0.0, 0.05, 1.8])
+def test_a_command_that_a_router_sends_on_two_links_is_obeyed_once_and_not_refused(two_links, later):
+    payload, radio = two_links
+    results = copied(payload, radio, TURN, 30, later=later)
+    assert set(results) == {IN_PROGRESS, ACCEPTED}
+    assert results[-1] == ACCEPTED
+    assert len(payload.given) == 1
+    assert payload.texts == []
+
+
+def test_an_arming_that_comes_on_a_slower_link_too_does_not_undo_the_stop_of_somebody_else(two_links):
+    payload, radio = two_links
+    payload.command(STOP, seconds=0.2)
+    payload.ground.long(REARM)
+    frame = payload.ground.air.up[-1]
+    payload.wait(0.2)
+    other = type(payload.ground)(payload.ground.air, system_id=254)
+    other.long(STOP)
+    payload.wait(0.2)
+    radio.air.up.append(frame)
+    payload.wait(0.5)
+    assert payload.stopped
+
+
+def test_a_turn_that_comes_on_a_slower_link_too_does_not_undo_the_next_one(two_links):
+    payload, radio = two_links
+    payload.ground.long(TURN, 10)
+    frame = payload.ground.air.up[-1]
+    payload.wait(0.3)
+    payload.command(TURN, 20, seconds=0.4)
+    radio.air.up.append(frame)
+    payload.wait(1.0)
+    assert [order.heading for order in payload.given] == pytest.approx([-math.radians(10), -math.radians(20)])
+
+
 @pytest.mark.parametrize("seconds", [0.05, 1.0], ids=["while the next one goes on", "after it"])
 def test_a_confirmation_that_is_late_on_a_slower_link_does_not_undo_the_next_order(two_links, seconds):
     """Our ground station confirms on all links."""
