@@ -254,13 +254,18 @@ class MissionCommands:
         return order
 
     def _cancel(self, request: CancelRequest, received: Received) -> None:
-        """End a task in progress, whoever commanded it; one that has just ended is answered again."""
+        """End a task in progress, whoever commanded it; one that has just ended is answered again.
+
+        What its sender has ordered since is none that it means: the network has doubled or delayed it.
+        """
         if not received.may_order:
             if received.refusal and self._texts.spend(self._now):
                 self._send_text(Severity.WARNING, f"cancel refused: {received.refusal}")
             return
         going_on = [e for e in self._open.values() if e.command.number == request.number and isinstance(e.order, Task)]
         for entry in going_on:
+            if self._origin is not None and self._origin.not_after(entry.origin):
+                continue
             if not entry.cancelled and not entry.silent:
                 entry.cancelled = True
                 self._order(Cancel())

@@ -21,6 +21,7 @@ from command_bench import (
 from examples import in_soak
 from ross_payload.config import Link
 from ross_payload.orders import (
+    Cancel,
     Home,
     Rearm,
     Stop,
@@ -86,6 +87,17 @@ def test_what_was_asked_before_a_stop_is_not_obeyed_after_it(payload):
     assert payload.results(REARM, 0.2) == [TEMPORARILY_REJECTED]
     assert payload.stopped
     assert not any(isinstance(order, Rearm) for order in payload.given)
+
+
+def test_a_cancel_that_comes_late_does_not_end_the_task_that_its_sender_has_ordered_since(payload):
+    payload.command(TURN, 60, seconds=0.2)
+    payload.ground.send(cancel_message(TURN, ComponentId(1, 191)))
+    frame = payload.ground.air.up[-1]
+    payload.wait(0.3)
+    payload.command(TURN, -60, seconds=0.2)
+    payload.ground.air.up.append(frame)
+    assert payload.results(TURN, 3.0)[-1] == ACCEPTED
+    assert [type(order) for order in payload.given] == [TurnTo, Cancel, TurnTo]
 
 
 def test_a_script_that_is_run_again_is_obeyed_again(payload):
