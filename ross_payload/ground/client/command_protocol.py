@@ -175,8 +175,7 @@ class CommandProtocol:
         confirmation = 0 if new else min(one.sent + (HEARD if one.heard else 0), MOST_CONFIRMATION)
         one.sent += 1
         who = one.who
-        later = [other for other in self._of(who) if other.number > one.number and not other.over]
-        if not isinstance(one.order, Stop) or not any(isinstance(other.order, Stop) for other in later):
+        if not isinstance(one.order, Stop) or all(other.over for other in self._later(one)):
             self._send(long_message(one.order.number, one.order.numbers, who, confirmation), who)
 
     def _give_way(self, who: ComponentId, order: Order) -> None:
@@ -203,10 +202,12 @@ class CommandProtocol:
                 self._give_up(one, OVERTAKEN)
 
     def _resend(self, one: OpenCommand) -> None:
-        """Say it again where that can help; a cancel stands for its order."""
+        """Say it again where that can help; a cancel stands for its order, and would end a later one of its kind."""
         times = STOP_RESENDS if isinstance(one.order, Stop) else RESENDS
-        if one.cancelling:
-            self._send_cancel(one) if one.cancelling <= RESENDS else self._give_up(one)
+        if one.cancelling > RESENDS:
+            self._give_up(one)
+        elif one.cancelling:
+            self._send_cancel(one, again=True)
         elif one.answered is None:
             tries_left = one.sent <= times
             if not tries_left and self._peer(one.who).boots is not None:  # one never heard may be heard any moment
@@ -225,16 +226,22 @@ class CommandProtocol:
             return any(each.number > one.number and each.who == one.who for each in self.doing)
         if one.undone and not one.heard:
             return True
+        return one.order.task and (one.unheard or bool(self._later(one)))
+
+    def _later(self, one: OpenCommand) -> list[OpenCommand]:
+        """Return what is open of its kind and was ordered after it."""
         alike = (other for other in self._of(one.who) if other.order.number == one.order.number)
-        return one.order.task and (one.unheard or any(other.number > one.number for other in alike))
+        return [other for other in alike if other.number > one.number]
 
     def _goes_unheard(self, one: OpenCommand) -> bool:
         """Whether it is a stop that was not answered: whoever is heard, for the first time or anew, has not stopped."""
         return isinstance(one.order, Stop) and one.answered is None and not one.over
 
-    def _send_cancel(self, one: OpenCommand) -> None:
+    def _send_cancel(self, one: OpenCommand, *, again: bool = False) -> None:
         one.cancelling += 1
         one.due = self._now + ACK_TIMEOUT_S
+        if again and self._later(one):
+            return
         self._send(cancel_message(one.order.number, one.who), one.who)
 
     def _give_up(self, one: OpenCommand, reason: str = "") -> None:

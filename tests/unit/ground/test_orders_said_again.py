@@ -150,6 +150,34 @@ def test_a_stop_of_an_outage_is_not_obeyed_after_the_arming_that_was_ordered_in_
     assert not rig.payload.stopped
 
 
+@pytest.mark.parametrize("seconds", [0.2, 0.9])
+def test_a_cancel_that_was_lost_does_not_end_the_listening_that_was_ordered_after_it(rig, seconds):
+    assert rig.done(Explore())
+    number = rig.orders.order(WHO, Listen(source=0))
+    rig.station.wait(3.0)
+    rig.station.lose = lambda message: message.get_type() == "COMMAND_CANCEL"
+    rig.orders.cancel(number)
+    rig.station.wait(seconds)
+    rig.station.lose = lambda message: False
+    rig.orders.order(WHO, Listen(source=1))
+    rig.station.wait(8.0)
+    assert rig.given() == ["Explore", "ListenTo", "ListenTo"]
+    assert [doing.state for doing in rig.orders.doing] == ["done", "cancelled", "in_progress"]
+
+
+def test_a_cancel_that_was_lost_is_said_again_when_what_was_ordered_after_it_was_refused(rig):
+    number = rig.orders.order(WHO, Turn(90))
+    rig.station.wait(0.2)
+    rig.station.lose = lambda message: message.get_type() == "COMMAND_CANCEL"
+    rig.orders.cancel(number)
+    rig.orders.order(WHO, Turn(-90))
+    rig.station.wait(0.3)
+    rig.station.lose = lambda message: False
+    rig.station.wait(5.0)
+    assert rig.given() == ["TurnTo", "Cancel"]
+    assert [doing.state for doing in rig.orders.doing] == ["cancelled", "refused"]
+
+
 def test_of_turns_refused_while_it_was_stopped_none_is_done_when_it_is_armed(rig):
     assert rig.done(Stop())
     for heading in (20, 30, 40):
