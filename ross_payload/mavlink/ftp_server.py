@@ -236,8 +236,7 @@ class FtpServer:
         if at_once:
             self._sessions.move_to_end(key)
             return self._portion(session, session.content, request)
-        if request not in session.reads and len(session.reads) < MOST_READS:
-            session.reads.append(request)  # in the time of its link
+        session.put_in_line(request, MOST_READS)  # in the time of its link
         return None
 
     def _has_room(self, session: Session, content: Content, request: Packet) -> bool:

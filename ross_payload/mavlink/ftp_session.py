@@ -57,6 +57,15 @@ class Session:
         self.content, self.name, self.burst = content, name, None
         self.reads.clear()
 
+    def put_in_line(self, request: Packet, most: int) -> None:
+        """Let a portion wait; asked for again, with whatever number, it waits once. Of too many the last is lost."""
+        alike = (place for place, each in enumerate(self.reads) if each.offset == request.offset)
+        place = next(alike, None)
+        if place is not None:
+            self.reads[place] = request
+        elif len(self.reads) < most:
+            self.reads.append(request)
+
     @property
     def next(self) -> Packet | None:
         """The next portion, as a request: a gap goes before the burst that has left it."""

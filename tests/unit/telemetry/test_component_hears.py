@@ -99,6 +99,24 @@ def test_a_file_is_read_on_a_slow_link_on_which_more_waits_than_it_carries(aloft
     assert sky.links.status()[0].dropped == 0
 
 
+def test_a_portion_that_is_asked_for_again_while_it_waits_is_sent_once(aloft) -> None:
+    """A client that waits a second for an answer asks for it twenty times before a slow link has carried ten."""
+    with aloft(RADIO, give=lambda order: None) as sky:
+        (port,) = sky.ports
+        sky.live(5.0)
+        port.call(message_of(Packet(3, Opcode.OPEN_RO, size=14, data=b"parameter.json"), ComponentId(1, 191)))
+        port.packets.clear()
+        for number in range(40):
+            request = Packet(5 + number, Opcode.READ, size=239, offset=239 * (number % 10))
+            port.call(message_of(request, ComponentId(1, 191)))
+            sky.live(0.1)
+        sky.live(40.0)
+    told = [packet_of(message) for message in port.messages("FILE_TRANSFER_PROTOCOL")]
+    offsets = [answer.offset for answer in told if answer.asked == Opcode.READ]
+    assert set(offsets) == {239 * number for number in range(10)}
+    assert len(offsets) <= 16
+
+
 def test_nobody_can_silence_a_heartbeat(aloft) -> None:
     with aloft(GROUND, give=lambda order: None) as sky:
         sky.live(1.0)
