@@ -73,15 +73,23 @@ messageName = {
     [22] = 'PARAM_VALUE',
     [23] = 'PARAM_SET',
     [30] = 'ATTITUDE',
+    [31] = 'ATTITUDE_QUATERNION',
+    [32] = 'LOCAL_POSITION_NED',
+    [65] = 'RC_CHANNELS',
+    [69] = 'MANUAL_CONTROL',
     [75] = 'COMMAND_INT',
     [76] = 'COMMAND_LONG',
     [77] = 'COMMAND_ACK',
+    [84] = 'SET_POSITION_TARGET_LOCAL_NED',
+    [109] = 'RADIO_STATUS',
     [110] = 'FILE_TRANSFER_PROTOCOL',
     [244] = 'MESSAGE_INTERVAL',
+    [245] = 'EXTENDED_SYS_STATE',
     [251] = 'NAMED_VALUE_FLOAT',
     [253] = 'STATUSTEXT',
     [280] = 'GIMBAL_MANAGER_INFORMATION',
     [281] = 'GIMBAL_MANAGER_STATUS',
+    [282] = 'GIMBAL_MANAGER_SET_ATTITUDE',
     [283] = 'GIMBAL_DEVICE_INFORMATION',
     [284] = 'GIMBAL_DEVICE_SET_ATTITUDE',
     [285] = 'GIMBAL_DEVICE_ATTITUDE_STATUS',
@@ -618,6 +626,13 @@ local enumEntryName = {
         [6] = "MAV_SEVERITY_INFO",
         [7] = "MAV_SEVERITY_DEBUG",
     },
+    ["MAV_VTOL_STATE"] = {
+        [0] = "MAV_VTOL_STATE_UNDEFINED",
+        [1] = "MAV_VTOL_STATE_TRANSITION_TO_FW",
+        [2] = "MAV_VTOL_STATE_TRANSITION_TO_MC",
+        [3] = "MAV_VTOL_STATE_MC",
+        [4] = "MAV_VTOL_STATE_FW",
+    },
     ["MAV_LANDED_STATE"] = {
         [0] = "MAV_LANDED_STATE_UNDEFINED",
         [1] = "MAV_LANDED_STATE_ON_GROUND",
@@ -638,6 +653,20 @@ local enumEntryName = {
         [512] = "ESTIMATOR_PRED_POS_HORIZ_ABS",
         [1024] = "ESTIMATOR_GPS_GLITCH",
         [2048] = "ESTIMATOR_ACCEL_ERROR",
+    },
+    ["POSITION_TARGET_TYPEMASK"] = {
+        [1] = "POSITION_TARGET_TYPEMASK_X_IGNORE",
+        [2] = "POSITION_TARGET_TYPEMASK_Y_IGNORE",
+        [4] = "POSITION_TARGET_TYPEMASK_Z_IGNORE",
+        [8] = "POSITION_TARGET_TYPEMASK_VX_IGNORE",
+        [16] = "POSITION_TARGET_TYPEMASK_VY_IGNORE",
+        [32] = "POSITION_TARGET_TYPEMASK_VZ_IGNORE",
+        [64] = "POSITION_TARGET_TYPEMASK_AX_IGNORE",
+        [128] = "POSITION_TARGET_TYPEMASK_AY_IGNORE",
+        [256] = "POSITION_TARGET_TYPEMASK_AZ_IGNORE",
+        [512] = "POSITION_TARGET_TYPEMASK_FORCE_SET",
+        [1024] = "POSITION_TARGET_TYPEMASK_YAW_IGNORE",
+        [2048] = "POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE",
     },
     ["MAV_TUNNEL_PAYLOAD_TYPE"] = {
         [0] = "MAV_TUNNEL_PAYLOAD_TYPE_UNKNOWN",
@@ -1168,6 +1197,65 @@ f.ATTITUDE_rollspeed = ProtoField.new("rollspeed (float) [rad/s]", "mavlink_prot
 f.ATTITUDE_pitchspeed = ProtoField.new("pitchspeed (float) [rad/s]", "mavlink_proto.ATTITUDE_pitchspeed", ftypes.FLOAT, nil)
 f.ATTITUDE_yawspeed = ProtoField.new("yawspeed (float) [rad/s]", "mavlink_proto.ATTITUDE_yawspeed", ftypes.FLOAT, nil)
 
+f.ATTITUDE_QUATERNION_time_boot_ms = ProtoField.new("time_boot_ms (uint32_t) [ms]", "mavlink_proto.ATTITUDE_QUATERNION_time_boot_ms", ftypes.UINT32, nil)
+f.ATTITUDE_QUATERNION_q1 = ProtoField.new("q1 (float)", "mavlink_proto.ATTITUDE_QUATERNION_q1", ftypes.FLOAT, nil)
+f.ATTITUDE_QUATERNION_q2 = ProtoField.new("q2 (float)", "mavlink_proto.ATTITUDE_QUATERNION_q2", ftypes.FLOAT, nil)
+f.ATTITUDE_QUATERNION_q3 = ProtoField.new("q3 (float)", "mavlink_proto.ATTITUDE_QUATERNION_q3", ftypes.FLOAT, nil)
+f.ATTITUDE_QUATERNION_q4 = ProtoField.new("q4 (float)", "mavlink_proto.ATTITUDE_QUATERNION_q4", ftypes.FLOAT, nil)
+f.ATTITUDE_QUATERNION_rollspeed = ProtoField.new("rollspeed (float) [rad/s]", "mavlink_proto.ATTITUDE_QUATERNION_rollspeed", ftypes.FLOAT, nil)
+f.ATTITUDE_QUATERNION_pitchspeed = ProtoField.new("pitchspeed (float) [rad/s]", "mavlink_proto.ATTITUDE_QUATERNION_pitchspeed", ftypes.FLOAT, nil)
+f.ATTITUDE_QUATERNION_yawspeed = ProtoField.new("yawspeed (float) [rad/s]", "mavlink_proto.ATTITUDE_QUATERNION_yawspeed", ftypes.FLOAT, nil)
+for i = 0, 3 do
+    f["ATTITUDE_QUATERNION_repr_offset_q_"..i] = ProtoField.new("repr_offset_q["..i.."] (float)", "mavlink_proto.ATTITUDE_QUATERNION_repr_offset_q_"..i, ftypes.FLOAT, nil)
+end
+
+f.LOCAL_POSITION_NED_time_boot_ms = ProtoField.new("time_boot_ms (uint32_t) [ms]", "mavlink_proto.LOCAL_POSITION_NED_time_boot_ms", ftypes.UINT32, nil)
+f.LOCAL_POSITION_NED_x = ProtoField.new("x (float) [m]", "mavlink_proto.LOCAL_POSITION_NED_x", ftypes.FLOAT, nil)
+f.LOCAL_POSITION_NED_y = ProtoField.new("y (float) [m]", "mavlink_proto.LOCAL_POSITION_NED_y", ftypes.FLOAT, nil)
+f.LOCAL_POSITION_NED_z = ProtoField.new("z (float) [m]", "mavlink_proto.LOCAL_POSITION_NED_z", ftypes.FLOAT, nil)
+f.LOCAL_POSITION_NED_vx = ProtoField.new("vx (float) [m/s]", "mavlink_proto.LOCAL_POSITION_NED_vx", ftypes.FLOAT, nil)
+f.LOCAL_POSITION_NED_vy = ProtoField.new("vy (float) [m/s]", "mavlink_proto.LOCAL_POSITION_NED_vy", ftypes.FLOAT, nil)
+f.LOCAL_POSITION_NED_vz = ProtoField.new("vz (float) [m/s]", "mavlink_proto.LOCAL_POSITION_NED_vz", ftypes.FLOAT, nil)
+
+f.RC_CHANNELS_time_boot_ms = ProtoField.new("time_boot_ms (uint32_t) [ms]", "mavlink_proto.RC_CHANNELS_time_boot_ms", ftypes.UINT32, nil)
+f.RC_CHANNELS_chancount = ProtoField.new("chancount (uint8_t)", "mavlink_proto.RC_CHANNELS_chancount", ftypes.UINT8, nil)
+f.RC_CHANNELS_chan1_raw = ProtoField.new("chan1_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan1_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan2_raw = ProtoField.new("chan2_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan2_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan3_raw = ProtoField.new("chan3_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan3_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan4_raw = ProtoField.new("chan4_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan4_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan5_raw = ProtoField.new("chan5_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan5_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan6_raw = ProtoField.new("chan6_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan6_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan7_raw = ProtoField.new("chan7_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan7_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan8_raw = ProtoField.new("chan8_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan8_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan9_raw = ProtoField.new("chan9_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan9_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan10_raw = ProtoField.new("chan10_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan10_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan11_raw = ProtoField.new("chan11_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan11_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan12_raw = ProtoField.new("chan12_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan12_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan13_raw = ProtoField.new("chan13_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan13_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan14_raw = ProtoField.new("chan14_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan14_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan15_raw = ProtoField.new("chan15_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan15_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan16_raw = ProtoField.new("chan16_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan16_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan17_raw = ProtoField.new("chan17_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan17_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_chan18_raw = ProtoField.new("chan18_raw (uint16_t) [us]", "mavlink_proto.RC_CHANNELS_chan18_raw", ftypes.UINT16, nil)
+f.RC_CHANNELS_rssi = ProtoField.new("rssi (uint8_t)", "mavlink_proto.RC_CHANNELS_rssi", ftypes.UINT8, nil)
+
+f.MANUAL_CONTROL_target = ProtoField.new("target (uint8_t)", "mavlink_proto.MANUAL_CONTROL_target", ftypes.UINT8, nil)
+f.MANUAL_CONTROL_x = ProtoField.new("x (int16_t)", "mavlink_proto.MANUAL_CONTROL_x", ftypes.INT16, nil)
+f.MANUAL_CONTROL_y = ProtoField.new("y (int16_t)", "mavlink_proto.MANUAL_CONTROL_y", ftypes.INT16, nil)
+f.MANUAL_CONTROL_z = ProtoField.new("z (int16_t)", "mavlink_proto.MANUAL_CONTROL_z", ftypes.INT16, nil)
+f.MANUAL_CONTROL_r = ProtoField.new("r (int16_t)", "mavlink_proto.MANUAL_CONTROL_r", ftypes.INT16, nil)
+f.MANUAL_CONTROL_buttons = ProtoField.new("buttons (uint16_t)", "mavlink_proto.MANUAL_CONTROL_buttons", ftypes.UINT16, nil)
+f.MANUAL_CONTROL_buttons2 = ProtoField.new("buttons2 (uint16_t)", "mavlink_proto.MANUAL_CONTROL_buttons2", ftypes.UINT16, nil)
+f.MANUAL_CONTROL_enabled_extensions = ProtoField.new("enabled_extensions (uint8_t)", "mavlink_proto.MANUAL_CONTROL_enabled_extensions", ftypes.UINT8, nil)
+f.MANUAL_CONTROL_s = ProtoField.new("s (int16_t)", "mavlink_proto.MANUAL_CONTROL_s", ftypes.INT16, nil)
+f.MANUAL_CONTROL_t = ProtoField.new("t (int16_t)", "mavlink_proto.MANUAL_CONTROL_t", ftypes.INT16, nil)
+f.MANUAL_CONTROL_aux1 = ProtoField.new("aux1 (int16_t)", "mavlink_proto.MANUAL_CONTROL_aux1", ftypes.INT16, nil)
+f.MANUAL_CONTROL_aux2 = ProtoField.new("aux2 (int16_t)", "mavlink_proto.MANUAL_CONTROL_aux2", ftypes.INT16, nil)
+f.MANUAL_CONTROL_aux3 = ProtoField.new("aux3 (int16_t)", "mavlink_proto.MANUAL_CONTROL_aux3", ftypes.INT16, nil)
+f.MANUAL_CONTROL_aux4 = ProtoField.new("aux4 (int16_t)", "mavlink_proto.MANUAL_CONTROL_aux4", ftypes.INT16, nil)
+f.MANUAL_CONTROL_aux5 = ProtoField.new("aux5 (int16_t)", "mavlink_proto.MANUAL_CONTROL_aux5", ftypes.INT16, nil)
+f.MANUAL_CONTROL_aux6 = ProtoField.new("aux6 (int16_t)", "mavlink_proto.MANUAL_CONTROL_aux6", ftypes.INT16, nil)
+
 f.COMMAND_INT_target_system = ProtoField.new("target_system (uint8_t)", "mavlink_proto.COMMAND_INT_target_system", ftypes.UINT8, nil)
 f.COMMAND_INT_target_component = ProtoField.new("target_component (uint8_t)", "mavlink_proto.COMMAND_INT_target_component", ftypes.UINT8, nil)
 f.COMMAND_INT_frame = ProtoField.new("frame (MAV_FRAME)", "mavlink_proto.COMMAND_INT_frame", ftypes.UINT8, enumEntryName.MAV_FRAME)
@@ -1201,6 +1289,43 @@ f.COMMAND_ACK_result_param2 = ProtoField.new("result_param2 (int32_t)", "mavlink
 f.COMMAND_ACK_target_system = ProtoField.new("target_system (uint8_t)", "mavlink_proto.COMMAND_ACK_target_system", ftypes.UINT8, nil)
 f.COMMAND_ACK_target_component = ProtoField.new("target_component (uint8_t)", "mavlink_proto.COMMAND_ACK_target_component", ftypes.UINT8, nil)
 
+f.SET_POSITION_TARGET_LOCAL_NED_time_boot_ms = ProtoField.new("time_boot_ms (uint32_t) [ms]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_time_boot_ms", ftypes.UINT32, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_target_system = ProtoField.new("target_system (uint8_t)", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_target_system", ftypes.UINT8, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_target_component = ProtoField.new("target_component (uint8_t)", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_target_component", ftypes.UINT8, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_coordinate_frame = ProtoField.new("coordinate_frame (MAV_FRAME)", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_coordinate_frame", ftypes.UINT8, enumEntryName.MAV_FRAME)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask = ProtoField.new("type_mask (POSITION_TARGET_TYPEMASK)", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask", ftypes.UINT16, nil, base.HEX_DEC)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_X_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_X_IGNORE", "POSITION_TARGET_TYPEMASK_X_IGNORE", 12, nil, 1)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_Y_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_Y_IGNORE", "POSITION_TARGET_TYPEMASK_Y_IGNORE", 12, nil, 2)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_Z_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_Z_IGNORE", "POSITION_TARGET_TYPEMASK_Z_IGNORE", 12, nil, 4)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_VX_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_VX_IGNORE", "POSITION_TARGET_TYPEMASK_VX_IGNORE", 12, nil, 8)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_VY_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_VY_IGNORE", "POSITION_TARGET_TYPEMASK_VY_IGNORE", 12, nil, 16)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_VZ_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_VZ_IGNORE", "POSITION_TARGET_TYPEMASK_VZ_IGNORE", 12, nil, 32)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_AX_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_AX_IGNORE", "POSITION_TARGET_TYPEMASK_AX_IGNORE", 12, nil, 64)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_AY_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_AY_IGNORE", "POSITION_TARGET_TYPEMASK_AY_IGNORE", 12, nil, 128)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_AZ_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_AZ_IGNORE", "POSITION_TARGET_TYPEMASK_AZ_IGNORE", 12, nil, 256)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_FORCE_SET = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_FORCE_SET", "POSITION_TARGET_TYPEMASK_FORCE_SET", 12, nil, 512)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_YAW_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_YAW_IGNORE", "POSITION_TARGET_TYPEMASK_YAW_IGNORE", 12, nil, 1024)
+f.SET_POSITION_TARGET_LOCAL_NED_type_mask_flagPOSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE = ProtoField.bool("mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_type_mask.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE", "POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE", 12, nil, 2048)
+f.SET_POSITION_TARGET_LOCAL_NED_x = ProtoField.new("x (float) [m]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_x", ftypes.FLOAT, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_y = ProtoField.new("y (float) [m]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_y", ftypes.FLOAT, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_z = ProtoField.new("z (float) [m]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_z", ftypes.FLOAT, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_vx = ProtoField.new("vx (float) [m/s]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_vx", ftypes.FLOAT, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_vy = ProtoField.new("vy (float) [m/s]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_vy", ftypes.FLOAT, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_vz = ProtoField.new("vz (float) [m/s]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_vz", ftypes.FLOAT, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_afx = ProtoField.new("afx (float) [m/s/s]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_afx", ftypes.FLOAT, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_afy = ProtoField.new("afy (float) [m/s/s]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_afy", ftypes.FLOAT, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_afz = ProtoField.new("afz (float) [m/s/s]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_afz", ftypes.FLOAT, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_yaw = ProtoField.new("yaw (float) [rad]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_yaw", ftypes.FLOAT, nil)
+f.SET_POSITION_TARGET_LOCAL_NED_yaw_rate = ProtoField.new("yaw_rate (float) [rad/s]", "mavlink_proto.SET_POSITION_TARGET_LOCAL_NED_yaw_rate", ftypes.FLOAT, nil)
+
+f.RADIO_STATUS_rssi = ProtoField.new("rssi (uint8_t)", "mavlink_proto.RADIO_STATUS_rssi", ftypes.UINT8, nil)
+f.RADIO_STATUS_remrssi = ProtoField.new("remrssi (uint8_t)", "mavlink_proto.RADIO_STATUS_remrssi", ftypes.UINT8, nil)
+f.RADIO_STATUS_txbuf = ProtoField.new("txbuf (uint8_t) [%]", "mavlink_proto.RADIO_STATUS_txbuf", ftypes.UINT8, nil)
+f.RADIO_STATUS_noise = ProtoField.new("noise (uint8_t)", "mavlink_proto.RADIO_STATUS_noise", ftypes.UINT8, nil)
+f.RADIO_STATUS_remnoise = ProtoField.new("remnoise (uint8_t)", "mavlink_proto.RADIO_STATUS_remnoise", ftypes.UINT8, nil)
+f.RADIO_STATUS_rxerrors = ProtoField.new("rxerrors (uint16_t)", "mavlink_proto.RADIO_STATUS_rxerrors", ftypes.UINT16, nil)
+f.RADIO_STATUS_fixed = ProtoField.new("fixed (uint16_t)", "mavlink_proto.RADIO_STATUS_fixed", ftypes.UINT16, nil)
+
 f.FILE_TRANSFER_PROTOCOL_target_network = ProtoField.new("target_network (uint8_t)", "mavlink_proto.FILE_TRANSFER_PROTOCOL_target_network", ftypes.UINT8, nil)
 f.FILE_TRANSFER_PROTOCOL_target_system = ProtoField.new("target_system (uint8_t)", "mavlink_proto.FILE_TRANSFER_PROTOCOL_target_system", ftypes.UINT8, nil)
 f.FILE_TRANSFER_PROTOCOL_target_component = ProtoField.new("target_component (uint8_t)", "mavlink_proto.FILE_TRANSFER_PROTOCOL_target_component", ftypes.UINT8, nil)
@@ -1210,6 +1335,9 @@ end
 
 f.MESSAGE_INTERVAL_message_id = ProtoField.new("message_id (uint16_t)", "mavlink_proto.MESSAGE_INTERVAL_message_id", ftypes.UINT16, nil)
 f.MESSAGE_INTERVAL_interval_us = ProtoField.new("interval_us (int32_t) [us]", "mavlink_proto.MESSAGE_INTERVAL_interval_us", ftypes.INT32, nil)
+
+f.EXTENDED_SYS_STATE_vtol_state = ProtoField.new("vtol_state (MAV_VTOL_STATE)", "mavlink_proto.EXTENDED_SYS_STATE_vtol_state", ftypes.UINT8, enumEntryName.MAV_VTOL_STATE)
+f.EXTENDED_SYS_STATE_landed_state = ProtoField.new("landed_state (MAV_LANDED_STATE)", "mavlink_proto.EXTENDED_SYS_STATE_landed_state", ftypes.UINT8, enumEntryName.MAV_LANDED_STATE)
 
 f.NAMED_VALUE_FLOAT_time_boot_ms = ProtoField.new("time_boot_ms (uint32_t) [ms]", "mavlink_proto.NAMED_VALUE_FLOAT_time_boot_ms", ftypes.UINT32, nil)
 f.NAMED_VALUE_FLOAT_name = ProtoField.new("name (char)", "mavlink_proto.NAMED_VALUE_FLOAT_name", ftypes.STRING, nil)
@@ -1263,6 +1391,27 @@ f.GIMBAL_MANAGER_STATUS_primary_control_sysid = ProtoField.new("primary_control_
 f.GIMBAL_MANAGER_STATUS_primary_control_compid = ProtoField.new("primary_control_compid (uint8_t)", "mavlink_proto.GIMBAL_MANAGER_STATUS_primary_control_compid", ftypes.UINT8, nil)
 f.GIMBAL_MANAGER_STATUS_secondary_control_sysid = ProtoField.new("secondary_control_sysid (uint8_t)", "mavlink_proto.GIMBAL_MANAGER_STATUS_secondary_control_sysid", ftypes.UINT8, nil)
 f.GIMBAL_MANAGER_STATUS_secondary_control_compid = ProtoField.new("secondary_control_compid (uint8_t)", "mavlink_proto.GIMBAL_MANAGER_STATUS_secondary_control_compid", ftypes.UINT8, nil)
+
+f.GIMBAL_MANAGER_SET_ATTITUDE_target_system = ProtoField.new("target_system (uint8_t)", "mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_target_system", ftypes.UINT8, nil)
+f.GIMBAL_MANAGER_SET_ATTITUDE_target_component = ProtoField.new("target_component (uint8_t)", "mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_target_component", ftypes.UINT8, nil)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags = ProtoField.new("flags (GIMBAL_MANAGER_FLAGS)", "mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags", ftypes.UINT32, nil, base.HEX_DEC)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags_flagGIMBAL_MANAGER_FLAGS_RETRACT = ProtoField.bool("mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags.GIMBAL_MANAGER_FLAGS_RETRACT", "GIMBAL_MANAGER_FLAGS_RETRACT", 12, nil, 1)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags_flagGIMBAL_MANAGER_FLAGS_NEUTRAL = ProtoField.bool("mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags.GIMBAL_MANAGER_FLAGS_NEUTRAL", "GIMBAL_MANAGER_FLAGS_NEUTRAL", 12, nil, 2)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags_flagGIMBAL_MANAGER_FLAGS_ROLL_LOCK = ProtoField.bool("mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags.GIMBAL_MANAGER_FLAGS_ROLL_LOCK", "GIMBAL_MANAGER_FLAGS_ROLL_LOCK", 12, nil, 4)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags_flagGIMBAL_MANAGER_FLAGS_PITCH_LOCK = ProtoField.bool("mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags.GIMBAL_MANAGER_FLAGS_PITCH_LOCK", "GIMBAL_MANAGER_FLAGS_PITCH_LOCK", 12, nil, 8)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags_flagGIMBAL_MANAGER_FLAGS_YAW_LOCK = ProtoField.bool("mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags.GIMBAL_MANAGER_FLAGS_YAW_LOCK", "GIMBAL_MANAGER_FLAGS_YAW_LOCK", 12, nil, 16)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags_flagGIMBAL_MANAGER_FLAGS_YAW_IN_VEHICLE_FRAME = ProtoField.bool("mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags.GIMBAL_MANAGER_FLAGS_YAW_IN_VEHICLE_FRAME", "GIMBAL_MANAGER_FLAGS_YAW_IN_VEHICLE_FRAME", 12, nil, 32)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags_flagGIMBAL_MANAGER_FLAGS_YAW_IN_EARTH_FRAME = ProtoField.bool("mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags.GIMBAL_MANAGER_FLAGS_YAW_IN_EARTH_FRAME", "GIMBAL_MANAGER_FLAGS_YAW_IN_EARTH_FRAME", 12, nil, 64)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags_flagGIMBAL_MANAGER_FLAGS_ACCEPTS_YAW_IN_EARTH_FRAME = ProtoField.bool("mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags.GIMBAL_MANAGER_FLAGS_ACCEPTS_YAW_IN_EARTH_FRAME", "GIMBAL_MANAGER_FLAGS_ACCEPTS_YAW_IN_EARTH_FRAME", 12, nil, 128)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags_flagGIMBAL_MANAGER_FLAGS_RC_EXCLUSIVE = ProtoField.bool("mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags.GIMBAL_MANAGER_FLAGS_RC_EXCLUSIVE", "GIMBAL_MANAGER_FLAGS_RC_EXCLUSIVE", 12, nil, 256)
+f.GIMBAL_MANAGER_SET_ATTITUDE_flags_flagGIMBAL_MANAGER_FLAGS_RC_MIXED = ProtoField.bool("mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_flags.GIMBAL_MANAGER_FLAGS_RC_MIXED", "GIMBAL_MANAGER_FLAGS_RC_MIXED", 12, nil, 512)
+f.GIMBAL_MANAGER_SET_ATTITUDE_gimbal_device_id = ProtoField.new("gimbal_device_id (uint8_t)", "mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_gimbal_device_id", ftypes.UINT8, nil)
+for i = 0, 3 do
+    f["GIMBAL_MANAGER_SET_ATTITUDE_q_"..i] = ProtoField.new("q["..i.."] (float)", "mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_q_"..i, ftypes.FLOAT, nil)
+end
+f.GIMBAL_MANAGER_SET_ATTITUDE_angular_velocity_x = ProtoField.new("angular_velocity_x (float) [rad/s]", "mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_angular_velocity_x", ftypes.FLOAT, nil)
+f.GIMBAL_MANAGER_SET_ATTITUDE_angular_velocity_y = ProtoField.new("angular_velocity_y (float) [rad/s]", "mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_angular_velocity_y", ftypes.FLOAT, nil)
+f.GIMBAL_MANAGER_SET_ATTITUDE_angular_velocity_z = ProtoField.new("angular_velocity_z (float) [rad/s]", "mavlink_proto.GIMBAL_MANAGER_SET_ATTITUDE_angular_velocity_z", ftypes.FLOAT, nil)
 
 f.GIMBAL_DEVICE_INFORMATION_time_boot_ms = ProtoField.new("time_boot_ms (uint32_t) [ms]", "mavlink_proto.GIMBAL_DEVICE_INFORMATION_time_boot_ms", ftypes.UINT32, nil)
 f.GIMBAL_DEVICE_INFORMATION_vendor_name = ProtoField.new("vendor_name (char)", "mavlink_proto.GIMBAL_DEVICE_INFORMATION_vendor_name", ftypes.STRING, nil)
@@ -1670,6 +1819,21 @@ function dissect_flags_ESTIMATOR_STATUS_FLAGS(tree, name, tvbrange, value)
     tree:add_le(f[name .. "_flagESTIMATOR_PRED_POS_HORIZ_ABS"], tvbrange, value)
     tree:add_le(f[name .. "_flagESTIMATOR_GPS_GLITCH"], tvbrange, value)
     tree:add_le(f[name .. "_flagESTIMATOR_ACCEL_ERROR"], tvbrange, value)
+end
+-- dissect flag field
+function dissect_flags_POSITION_TARGET_TYPEMASK(tree, name, tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_X_IGNORE"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_Y_IGNORE"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_Z_IGNORE"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_VX_IGNORE"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_VY_IGNORE"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_VZ_IGNORE"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_AX_IGNORE"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_AY_IGNORE"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_AZ_IGNORE"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_FORCE_SET"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_YAW_IGNORE"], tvbrange, value)
+    tree:add_le(f[name .. "_flagPOSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE"], tvbrange, value)
 end
 -- dissect flag field
 function dissect_flags_COMPUTER_STATUS_FLAGS(tree, name, tvbrange, value)
@@ -2673,6 +2837,200 @@ function payload_fns.payload_30(buffer, tree, msgid, offset, limit, pinfo)
     subtree = tree:add_le(f.ATTITUDE_yawspeed, tvbrange)
     value = tvbrange:le_float()
     subtree:append_text(string.format(" (%g deg/s)",value*180/math.pi))
+end
+-- dissect payload of message type ATTITUDE_QUATERNION
+function payload_fns.payload_31(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 48 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 48)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 0, 4)
+    subtree = tree:add_le(f.ATTITUDE_QUATERNION_time_boot_ms, tvbrange)
+    tvbrange = padded(offset + 4, 4)
+    subtree = tree:add_le(f.ATTITUDE_QUATERNION_q1, tvbrange)
+    tvbrange = padded(offset + 8, 4)
+    subtree = tree:add_le(f.ATTITUDE_QUATERNION_q2, tvbrange)
+    tvbrange = padded(offset + 12, 4)
+    subtree = tree:add_le(f.ATTITUDE_QUATERNION_q3, tvbrange)
+    tvbrange = padded(offset + 16, 4)
+    subtree = tree:add_le(f.ATTITUDE_QUATERNION_q4, tvbrange)
+    tvbrange = padded(offset + 20, 4)
+    subtree = tree:add_le(f.ATTITUDE_QUATERNION_rollspeed, tvbrange)
+    value = tvbrange:le_float()
+    subtree:append_text(string.format(" (%g deg/s)",value*180/math.pi))
+    tvbrange = padded(offset + 24, 4)
+    subtree = tree:add_le(f.ATTITUDE_QUATERNION_pitchspeed, tvbrange)
+    value = tvbrange:le_float()
+    subtree:append_text(string.format(" (%g deg/s)",value*180/math.pi))
+    tvbrange = padded(offset + 28, 4)
+    subtree = tree:add_le(f.ATTITUDE_QUATERNION_yawspeed, tvbrange)
+    value = tvbrange:le_float()
+    subtree:append_text(string.format(" (%g deg/s)",value*180/math.pi))
+    for i = 0, 3 do
+        tvbrange = padded(offset + 32 + 4 * i, 4)
+        subtree = tree:add_le(f["ATTITUDE_QUATERNION_repr_offset_q_"..i], tvbrange)
+    end
+end
+-- dissect payload of message type LOCAL_POSITION_NED
+function payload_fns.payload_32(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 28 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 28)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 0, 4)
+    subtree = tree:add_le(f.LOCAL_POSITION_NED_time_boot_ms, tvbrange)
+    tvbrange = padded(offset + 4, 4)
+    subtree = tree:add_le(f.LOCAL_POSITION_NED_x, tvbrange)
+    tvbrange = padded(offset + 8, 4)
+    subtree = tree:add_le(f.LOCAL_POSITION_NED_y, tvbrange)
+    tvbrange = padded(offset + 12, 4)
+    subtree = tree:add_le(f.LOCAL_POSITION_NED_z, tvbrange)
+    tvbrange = padded(offset + 16, 4)
+    subtree = tree:add_le(f.LOCAL_POSITION_NED_vx, tvbrange)
+    tvbrange = padded(offset + 20, 4)
+    subtree = tree:add_le(f.LOCAL_POSITION_NED_vy, tvbrange)
+    tvbrange = padded(offset + 24, 4)
+    subtree = tree:add_le(f.LOCAL_POSITION_NED_vz, tvbrange)
+end
+-- dissect payload of message type RC_CHANNELS
+function payload_fns.payload_65(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 42 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 42)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 0, 4)
+    subtree = tree:add_le(f.RC_CHANNELS_time_boot_ms, tvbrange)
+    tvbrange = padded(offset + 40, 1)
+    subtree = tree:add_le(f.RC_CHANNELS_chancount, tvbrange)
+    tvbrange = padded(offset + 4, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan1_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 6, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan2_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 8, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan3_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 10, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan4_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 12, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan5_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 14, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan6_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 16, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan7_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 18, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan8_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 20, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan9_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 22, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan10_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 24, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan11_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 26, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan12_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 28, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan13_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 30, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan14_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 32, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan15_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 34, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan16_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 36, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan17_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 38, 2)
+    subtree = tree:add_le(f.RC_CHANNELS_chan18_raw, tvbrange)
+    value = tvbrange:le_uint()
+    subtree:append_text(time_usec_decode(value))
+    tvbrange = padded(offset + 41, 1)
+    subtree = tree:add_le(f.RC_CHANNELS_rssi, tvbrange)
+end
+-- dissect payload of message type MANUAL_CONTROL
+function payload_fns.payload_69(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 30 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 30)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 10, 1)
+    subtree = tree:add_le(f.MANUAL_CONTROL_target, tvbrange)
+    tvbrange = padded(offset + 0, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_x, tvbrange)
+    tvbrange = padded(offset + 2, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_y, tvbrange)
+    tvbrange = padded(offset + 4, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_z, tvbrange)
+    tvbrange = padded(offset + 6, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_r, tvbrange)
+    tvbrange = padded(offset + 8, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_buttons, tvbrange)
+    tvbrange = padded(offset + 11, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_buttons2, tvbrange)
+    tvbrange = padded(offset + 13, 1)
+    subtree = tree:add_le(f.MANUAL_CONTROL_enabled_extensions, tvbrange)
+    tvbrange = padded(offset + 14, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_s, tvbrange)
+    tvbrange = padded(offset + 16, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_t, tvbrange)
+    tvbrange = padded(offset + 18, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_aux1, tvbrange)
+    tvbrange = padded(offset + 20, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_aux2, tvbrange)
+    tvbrange = padded(offset + 22, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_aux3, tvbrange)
+    tvbrange = padded(offset + 24, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_aux4, tvbrange)
+    tvbrange = padded(offset + 26, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_aux5, tvbrange)
+    tvbrange = padded(offset + 28, 2)
+    subtree = tree:add_le(f.MANUAL_CONTROL_aux6, tvbrange)
 end
 -- dissect payload of message type COMMAND_INT with command MAV_CMD_GET_MESSAGE_INTERVAL
 function payload_fns.payload_75_cmd510(buffer, tree, msgid, offset, limit, pinfo)
@@ -3988,6 +4346,80 @@ function payload_fns.payload_77(buffer, tree, msgid, offset, limit, pinfo)
     tvbrange = padded(offset + 9, 1)
     subtree = tree:add_le(f.COMMAND_ACK_target_component, tvbrange)
 end
+-- dissect payload of message type SET_POSITION_TARGET_LOCAL_NED
+function payload_fns.payload_84(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 53 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 53)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 0, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_time_boot_ms, tvbrange)
+    tvbrange = padded(offset + 50, 1)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_target_system, tvbrange)
+    tvbrange = padded(offset + 51, 1)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_target_component, tvbrange)
+    tvbrange = padded(offset + 52, 1)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_coordinate_frame, tvbrange)
+    tvbrange = padded(offset + 48, 2)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_type_mask, tvbrange)
+    value = tvbrange:le_uint()
+    dissect_flags_POSITION_TARGET_TYPEMASK(subtree, "SET_POSITION_TARGET_LOCAL_NED_type_mask", tvbrange, value)
+    tvbrange = padded(offset + 4, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_x, tvbrange)
+    tvbrange = padded(offset + 8, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_y, tvbrange)
+    tvbrange = padded(offset + 12, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_z, tvbrange)
+    tvbrange = padded(offset + 16, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_vx, tvbrange)
+    tvbrange = padded(offset + 20, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_vy, tvbrange)
+    tvbrange = padded(offset + 24, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_vz, tvbrange)
+    tvbrange = padded(offset + 28, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_afx, tvbrange)
+    tvbrange = padded(offset + 32, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_afy, tvbrange)
+    tvbrange = padded(offset + 36, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_afz, tvbrange)
+    tvbrange = padded(offset + 40, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_yaw, tvbrange)
+    value = tvbrange:le_float()
+    subtree:append_text(string.format(" (%g deg)",value*180/math.pi))
+    tvbrange = padded(offset + 44, 4)
+    subtree = tree:add_le(f.SET_POSITION_TARGET_LOCAL_NED_yaw_rate, tvbrange)
+    value = tvbrange:le_float()
+    subtree:append_text(string.format(" (%g deg/s)",value*180/math.pi))
+end
+-- dissect payload of message type RADIO_STATUS
+function payload_fns.payload_109(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 9 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 9)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 4, 1)
+    subtree = tree:add_le(f.RADIO_STATUS_rssi, tvbrange)
+    tvbrange = padded(offset + 5, 1)
+    subtree = tree:add_le(f.RADIO_STATUS_remrssi, tvbrange)
+    tvbrange = padded(offset + 6, 1)
+    subtree = tree:add_le(f.RADIO_STATUS_txbuf, tvbrange)
+    tvbrange = padded(offset + 7, 1)
+    subtree = tree:add_le(f.RADIO_STATUS_noise, tvbrange)
+    tvbrange = padded(offset + 8, 1)
+    subtree = tree:add_le(f.RADIO_STATUS_remnoise, tvbrange)
+    tvbrange = padded(offset + 0, 2)
+    subtree = tree:add_le(f.RADIO_STATUS_rxerrors, tvbrange)
+    tvbrange = padded(offset + 2, 2)
+    subtree = tree:add_le(f.RADIO_STATUS_fixed, tvbrange)
+end
 -- dissect payload of message type FILE_TRANSFER_PROTOCOL
 function payload_fns.payload_110(buffer, tree, msgid, offset, limit, pinfo)
     local padded, field_offset, value, subtree, tvbrange
@@ -4039,6 +4471,21 @@ function payload_fns.payload_244(buffer, tree, msgid, offset, limit, pinfo)
     subtree = tree:add_le(f.MESSAGE_INTERVAL_interval_us, tvbrange)
     value = tvbrange:le_int()
     subtree:append_text(time_usec_decode(value))
+end
+-- dissect payload of message type EXTENDED_SYS_STATE
+function payload_fns.payload_245(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 2 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 2)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 0, 1)
+    subtree = tree:add_le(f.EXTENDED_SYS_STATE_vtol_state, tvbrange)
+    tvbrange = padded(offset + 1, 1)
+    subtree = tree:add_le(f.EXTENDED_SYS_STATE_landed_state, tvbrange)
 end
 -- dissect payload of message type NAMED_VALUE_FLOAT
 function payload_fns.payload_251(buffer, tree, msgid, offset, limit, pinfo)
@@ -4145,6 +4592,43 @@ function payload_fns.payload_281(buffer, tree, msgid, offset, limit, pinfo)
     subtree = tree:add_le(f.GIMBAL_MANAGER_STATUS_secondary_control_sysid, tvbrange)
     tvbrange = padded(offset + 12, 1)
     subtree = tree:add_le(f.GIMBAL_MANAGER_STATUS_secondary_control_compid, tvbrange)
+end
+-- dissect payload of message type GIMBAL_MANAGER_SET_ATTITUDE
+function payload_fns.payload_282(buffer, tree, msgid, offset, limit, pinfo)
+    local padded, field_offset, value, subtree, tvbrange
+    if (offset + 35 > limit) then
+        padded = buffer(0, limit):bytes()
+        padded:set_size(offset + 35)
+        padded = padded:tvb("Untruncated payload")
+    else
+        padded = buffer
+    end
+    tvbrange = padded(offset + 32, 1)
+    subtree = tree:add_le(f.GIMBAL_MANAGER_SET_ATTITUDE_target_system, tvbrange)
+    tvbrange = padded(offset + 33, 1)
+    subtree = tree:add_le(f.GIMBAL_MANAGER_SET_ATTITUDE_target_component, tvbrange)
+    tvbrange = padded(offset + 0, 4)
+    subtree = tree:add_le(f.GIMBAL_MANAGER_SET_ATTITUDE_flags, tvbrange)
+    value = tvbrange:le_uint()
+    dissect_flags_GIMBAL_MANAGER_FLAGS(subtree, "GIMBAL_MANAGER_SET_ATTITUDE_flags", tvbrange, value)
+    tvbrange = padded(offset + 34, 1)
+    subtree = tree:add_le(f.GIMBAL_MANAGER_SET_ATTITUDE_gimbal_device_id, tvbrange)
+    for i = 0, 3 do
+        tvbrange = padded(offset + 4 + 4 * i, 4)
+        subtree = tree:add_le(f["GIMBAL_MANAGER_SET_ATTITUDE_q_"..i], tvbrange)
+    end
+    tvbrange = padded(offset + 20, 4)
+    subtree = tree:add_le(f.GIMBAL_MANAGER_SET_ATTITUDE_angular_velocity_x, tvbrange)
+    value = tvbrange:le_float()
+    subtree:append_text(string.format(" (%g deg/s)",value*180/math.pi))
+    tvbrange = padded(offset + 24, 4)
+    subtree = tree:add_le(f.GIMBAL_MANAGER_SET_ATTITUDE_angular_velocity_y, tvbrange)
+    value = tvbrange:le_float()
+    subtree:append_text(string.format(" (%g deg/s)",value*180/math.pi))
+    tvbrange = padded(offset + 28, 4)
+    subtree = tree:add_le(f.GIMBAL_MANAGER_SET_ATTITUDE_angular_velocity_z, tvbrange)
+    value = tvbrange:le_float()
+    subtree:append_text(string.format(" (%g deg/s)",value*180/math.pi))
 end
 -- dissect payload of message type GIMBAL_DEVICE_INFORMATION
 function payload_fns.payload_283(buffer, tree, msgid, offset, limit, pinfo)

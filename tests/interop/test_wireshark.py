@@ -10,7 +10,9 @@ from dataclasses import replace
 import pytest
 
 import alignments
+from ross_protocols.mavlink import vehicle_control
 from ross_protocols.mavlink.codec import Encoder
+from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
 from ross_protocols.mavlink.stream_values import Codec, Selection, StreamReport
 from ross_protocols.mavlink.tunnel import Wrapper
@@ -151,6 +153,15 @@ def test_what_a_payload_also_says_and_hears_is_read(tshark, encoder):
     assert "system_status (MAV_STATE): MAV_STATE_ACTIVE (4)" in shown
     assert "MAV_CMD_ROSS_TURN (54003)" in shown
     assert "param1: Heading (float) deg: 30" in shown
+
+
+def test_what_turns_a_drone_is_read(tshark, encoder):
+    told = [vehicle_control.position_target(ComponentId(7, 1), 5.0, (0.0, 0.0, -3.0), 0.5)]
+    told += [common.MAVLink_extended_sys_state_message(0, 2), common.MAVLink_radio_status_message(1, 2, 3, 4, 5, 6, 7)]
+    shown = tshark([encoder.encode(message) for message in told], "-V")
+    assert "another dialect" not in shown
+    assert "landed_state (MAV_LANDED_STATE): MAV_LANDED_STATE_IN_AIR (2)" in shown
+    assert "yaw (float) [rad]: -0.5" in shown
 
 
 def test_a_message_of_another_dialect_does_not_hide_the_next_one(fields, encoder):
