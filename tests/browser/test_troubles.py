@@ -61,6 +61,22 @@ def test_the_page_comes_back_when_the_ground_process_does(lone, open_page, windo
     assert page.evaluate("sameDocument")
 
 
+def test_a_stop_that_is_not_answered_cannot_be_cancelled_and_is_done_when_it_is(lone, open_page):
+    ground, payloads = lone
+    page = watch(open_page, ground.url)
+    payloads.tell(silence=[1])
+    page.locator("#no-telemetry").wait_for()
+    page.get_by_role("button", name="Stop 1-191").click()
+    order = page.locator("li.order").filter(has_text="stop")
+    order.wait_for()
+    shown = order.evaluate("(each) => [each.dataset.state, each.querySelectorAll('button').length]")
+    assert shown == ["sent", 0]
+    expect(order).to_have_attribute("data-state", "no_answer")
+    payloads.tell(speak=[1])
+    expect(order).to_have_attribute("data-state", "done")
+    expect(page.locator(".stop-fate")).to_have_text("Stopped")
+
+
 def test_a_stop_that_stops_nobody_says_so(alone, open_page):
     page = open_page(alone.url)
     fates = page.evaluate("""async () => {
