@@ -49,7 +49,7 @@ class Origin:
         A router or a client that knows two ways to us sends it on both. A station that counts what it sends on each by
         itself seldom says the same with the same number within so short a time.
         """
-        alike = self.sequence is not None and self.sequence == other.sequence
+        alike = self.sequence is not None and (self.sender, self.sequence) == (other.sender, other.sequence)
         return alike and self.way[0] != other.way[0] and self.time - other.time < COPIED
 
 

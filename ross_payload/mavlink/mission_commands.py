@@ -105,6 +105,7 @@ class MissionCommands:
         self._gate = CommandGate()
         self._frames = FrameCounter()
         self._origin: Origin | None = None  # of the packet that is being taken
+        self._cancelled: Origin | None = None  # of the latest COMMAND_CANCEL
         self._recent = RecentCommands()
         self._open: dict[int, Entry] = {}  # what the mission has, by the number of the order
         self._numbers = count(1)
@@ -256,11 +257,15 @@ class MissionCommands:
     def _cancel(self, request: CancelRequest, received: Received) -> None:
         """End a task in progress, whoever commanded it; one that has just ended is answered again.
 
-        What its sender has ordered since is none that it means: the network has doubled or delayed it.
+        What its sender has ordered since is none that it means: the network has doubled or delayed it, or a router has
+        sent it on another link, too.
         """
         if not received.may_order:
             if received.refusal and self._texts.spend(self._now):
                 self._send_text(Severity.WARNING, f"cancel refused: {received.refusal}")
+            return
+        before, self._cancelled = self._cancelled, self._origin
+        if self._origin is not None and before is not None and self._origin.is_copy(before):
             return
         going_on = [e for e in self._open.values() if e.command.number == request.number and isinstance(e.order, Task)]
         for entry in going_on:

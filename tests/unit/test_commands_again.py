@@ -160,6 +160,18 @@ def test_an_arming_that_comes_on_a_slower_link_too_does_not_undo_the_stop_of_som
     assert payload.stopped
 
 
+def test_a_cancel_that_comes_on_a_slower_link_too_does_not_end_the_next_task(two_links):
+    payload, radio = two_links
+    payload.command(TURN, 60, seconds=0.2)
+    payload.ground.send(cancel_message(TURN, ComponentId(1, 191)))
+    frame = payload.ground.air.up[-1]
+    payload.wait(0.3)
+    payload.command(TURN, -60, seconds=0.2)
+    radio.air.up.append(frame)
+    assert payload.results(TURN, 3.0)[-1] == ACCEPTED
+    assert [type(order) for order in payload.given] == [TurnTo, Cancel, TurnTo]
+
+
 def test_a_turn_that_comes_on_a_slower_link_too_does_not_undo_the_next_one(two_links):
     payload, radio = two_links
     payload.ground.long(TURN, 10)
