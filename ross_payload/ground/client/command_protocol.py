@@ -53,7 +53,7 @@ from ross_protocols.mavlink.component_id import ComponentId
 
 ACK_TIMEOUT_S, RESENDS = 1.0, 4  # [s] without an answer until a frame is sent again, and how often
 STOP_ACK_TIMEOUT_S, STOP_RESENDS = 0.2, 10
-STOP_LASTS_S = 30.0  # [s] that a stop is sent while nobody answers, also when that was told
+STOP_LASTS_S = 30.0  # [s] that a stop is sent while nobody answers: once that was told as seldom as others
 PROGRESS_TIMEOUT_S, PROGRESS_POLL_S = 2.0, 0.5  # [s] without progress until it is asked for, and how often
 DEDUP_S = 4.0  # [s] within which the payload knows what is said again: it remembers for 5, and a frame may be late
 REPEATED_S = 10.0  # [s] after an order, in which the payload may take its like that is said again for it
@@ -171,7 +171,8 @@ class CommandProtocol:
         answered = one.answered is not None or one.doubted > 0
         heard = one.heard or (isinstance(one.order, (Cancel, Rearm)) and answered)
         new = one.repeated and not (one.order.task or heard or isinstance(one.order, Stop))
-        one.due = self._now + (STOP_ACK_TIMEOUT_S if isinstance(one.order, Stop) else ACK_TIMEOUT_S)
+        urgent = isinstance(one.order, Stop) and one.sent <= STOP_RESENDS
+        one.due = self._now + (STOP_ACK_TIMEOUT_S if urgent else ACK_TIMEOUT_S)
         confirmation = 0 if new else min(one.sent + (HEARD if one.heard else 0), MOST_CONFIRMATION)
         one.sent += 1
         who = one.who
