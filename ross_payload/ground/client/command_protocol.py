@@ -341,9 +341,12 @@ class CommandProtocol:
             self._explain(one.who, text)
 
     def _explain(self, who: ComponentId, text: StatusText) -> None:
-        """Let a text say why something was refused, or failed, around the time it came."""
+        """Let a text say why something was refused, or failed, around the time it came.
+
+        What came before an order is about an earlier one: the payload does not send a text for every refusal.
+        """
         for doing in reversed(self.doing):
-            near = doing.who == who and abs(doing.at - text.at) < EXPLANATION_S
+            near = doing.who == who and doing.since <= text.at and abs(doing.at - text.at) < EXPLANATION_S
             if near and (reason := reason_in(text, doing)):
                 self._doing[doing.number] = replace(doing, reason=reason)
                 return

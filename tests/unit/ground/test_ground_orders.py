@@ -218,6 +218,20 @@ def test_a_reason_that_comes_before_its_refusal_counts_and_a_late_one_does_not(s
     assert script.orders.doing[-1].reason != "beyond the limit"
 
 
+def test_why_an_order_was_refused_is_no_reason_for_the_next_one(script):
+    script.orders.order(WHO, Turn(400))
+    script.ack(TURN, Result.DENIED)
+    script.say(Text(Severity.WARNING, "RoSS: turn refused: heading: got 400"))
+    script.wait(1.2)
+    script.orders.order(WHO, Turn(30))
+    script.ack(TURN, Result.TEMPORARILY_REJECTED)
+    first, second = script.orders.doing
+    assert (first.reason, second.reason) == ("heading: got 400", "not possible now")
+    script.say(Text(Severity.WARNING, "RoSS: turn refused: stopped: re-arm first"))
+    first, second = script.orders.doing
+    assert (first.reason, second.reason) == ("heading: got 400", "stopped: re-arm first")
+
+
 def test_a_failure_is_told_in_the_words_of_the_missions_end(script):
     script.orders.order(WHO, Explore())
     script.ack(Explore.number, Result.IN_PROGRESS)
