@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncGenerator
 from contextlib import asynccontextmanager, suppress
+from numbers import Integral, Real
 from pathlib import Path
 
 from ross_payload.ground.client.payload import Payload
@@ -52,13 +53,15 @@ async def connect(
     GroundError
         When a link cannot be opened, or the key is none.
     ValueError
-        When there is no URL, ``payload`` is no id, or ``system_id`` none.
+        When there is no URL, ``payload`` is no id, ``system_id`` none, or something else of the wrong type. Nothing is
+        opened then.
     """
-    if not urls:
-        raise ValueError("urls: expected one such as udpin:127.0.0.1:14550, got none")
-    if not 1 <= system_id <= 255:
-        raise ValueError(f"system_id: expected 1 to 255, got {system_id}")
-    wanted = ComponentId.parse(payload) if isinstance(payload, str) else payload
+    _check(urls, system_id, timeout_s)
+    wanted = _id_of(payload)
+    if not isinstance(key, Path | str | bytes | bytearray | None):
+        raise ValueError(f"key: expected {KEY_BYTES} bytes, or their file, got {key!r}")
+    if not isinstance(log, Path | str | None):
+        raise ValueError(f"log: expected a folder, got {log!r}")
     secret = read_key(Path(key)) if isinstance(key, Path | str) else key
     if secret is not None and len(secret) != KEY_BYTES:
         raise GroundError(f"key: expected {KEY_BYTES} bytes, got {len(secret)}")
@@ -67,6 +70,43 @@ async def connect(
         Payload(station, await _received(station, wanted, timeout_s)) as client,
     ):
         yield client
+
+
+def _check(urls: tuple[str, ...], system_id: int, timeout_s: float) -> None:
+    """Find out what is no URL, no system id and no time, before anything is opened.
+
+    Raises
+    ------
+    ValueError
+        When something is.
+    """
+    if not urls:
+        raise ValueError("urls: expected one such as udpin:127.0.0.1:14550, got none")
+    for url in urls:
+        if not isinstance(url, str):
+            hint = "; for a list: connect(*urls)" if isinstance(url, list | tuple) else ""
+            raise ValueError(f"urls: expected text such as udpin:127.0.0.1:14550, got {url!r}{hint}")
+    if not isinstance(system_id, Integral) or isinstance(system_id, bool) or not 1 <= system_id <= 255:
+        raise ValueError(f"system_id: expected 1 to 255, got {system_id!r}")
+    if not isinstance(timeout_s, Real) or not timeout_s >= 0:
+        raise ValueError(f"timeout_s: expected a number of seconds from 0, got {timeout_s!r}")
+
+
+def _id_of(payload: ComponentId | str | None) -> ComponentId | None:
+    """Return the id of the payload that is wanted.
+
+    Raises
+    ------
+    ValueError
+        When it is none.
+    """
+    if payload is None:
+        return None
+    if isinstance(payload, str):
+        return ComponentId.parse(payload)
+    if not isinstance(payload, tuple) or len(payload) != 2:
+        raise ValueError(f"payload: expected an id such as '1-191', got {payload!r}")
+    return ComponentId.parse("-".join(map(str, payload)))
 
 
 async def _received(station: Station, wanted: ComponentId | None, timeout_s: float) -> ComponentId:

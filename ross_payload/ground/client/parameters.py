@@ -107,6 +107,7 @@ class Parameters:
         ValueError
             When no 32-bit float can hold the value.
         """
+        self._changed.check_open(f"{name} = {value}")
         await self._until_named(name)
         async with self._one_value[name]:
             await self._until_named(name)  # again: the payload may have restarted
@@ -134,6 +135,8 @@ class Parameters:
         return self.settings.values[name]
 
     async def _until_known(self, *, described: bool = False) -> None:
+        if not self.settings.complete:
+            self._changed.check_open("the list of parameters")
         self.wanted = True
         settings = self.settings
         try:
@@ -158,9 +161,9 @@ class Parameters:
 
 def unknown(settings: ParamClient, name: str) -> UnknownParameter:
     """Return the error that a payload has no parameter of a name, with names that are near."""
-    near = [each for each in settings.values if each.startswith(name[:3])]
+    near = [each for each in settings.values if each.startswith(str(name)[:3])]
     hint = f": expected one such as {', '.join(near[:5])}" if near else ""
-    return UnknownParameter(f"{settings.who} has no parameter '{name[:40]}'{hint}")
+    return UnknownParameter(f"{settings.who} has no parameter '{str(name)[:40]}'{hint}")
 
 
 def _parameter(row: dict[str, Any]) -> Parameter:

@@ -32,7 +32,7 @@ from ross_payload.ground.client.param_client import ParamClient
 from ross_payload.ground.client.parameters import REASON_TIMEOUT_S, Parameters
 from ross_payload.ground.client.stream_requests import StreamRequests
 from ross_payload.ground.client.streams import EventStream, Found
-from ross_payload.ground.errors import LinkLost, RefusedByPayload, TaskCancelled, TaskFailed
+from ross_payload.ground.errors import LinkLost, NoPayload, RefusedByPayload, TaskCancelled, TaskFailed
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.model.state_reducer import MOST_SOURCES
 from ross_payload.ground.model.view import Section, view
@@ -57,13 +57,25 @@ class Payload(StreamRequests):
     - `RefusedByPayload`, with the payload's reason;
     - `TaskFailed`, when it was begun and could not be completed;
     - `TaskCancelled`, when a cancel, a stop or another command ended it;
-    - `LinkLost`, when nothing answers; it may have been done nevertheless.
+    - `LinkLost`, when nothing answers; it may have been done nevertheless. Before the client is opened and after it is
+      closed nothing is sent, and `LinkLost` says so at once.
 
     There is no time limit but ``asyncio.timeout``. Cancelling a coroutine, also by a time limit, ends the waiting and
     nothing else: the payload goes on with its task, and only `cancel` or `stop` end that.
+
+    Raises
+    ------
+    NoPayload
+        When the station has not received that payload.
     """
 
     def __init__(self, station: Station, component: ComponentId) -> None:
+        received = [str(each) for each in sorted(station.fleet.payloads)]
+        if component not in station.fleet.payloads:
+            found = ", ".join(received) or "none"
+            raise NoPayload(
+                f"expected the ComponentId of a payload that is received, got {component!r}; {found} is", received
+            )
         self.id = component
         us = ComponentId(station.system_id, station.component_id)
         super().__init__(lambda message: station.send(message, component), component, us)
@@ -79,6 +91,7 @@ class Payload(StreamRequests):
 
     async def __aenter__(self) -> Self:
         """Begin to follow it."""
+        self._changed.open()
         self._station.fleet.pinned |= {self.id}
         self._end = self._station.subscribe(self._on_packet)
         self._ticking = asyncio.create_task(self._tick())
@@ -133,11 +146,16 @@ class Payload(StreamRequests):
         Raises
         ------
         ValueError
-            When there are more azimuths.
+            When there are more azimuths, or a first one and none.
         """
-        if len(azimuths_deg) > command_types.MOST_AZIMUTHS:
-            raise ValueError(f"azimuths_deg: expected at most {command_types.MOST_AZIMUTHS}, got {len(azimuths_deg)}")
-        wanted = tuple(azimuths_deg)  # not an array, of which one that is zero counts as none
+        try:
+            wanted = tuple(azimuths_deg)  # not an array, of which one that is zero counts as none
+        except TypeError as error:
+            raise ValueError(f"azimuths_deg: expected a list of numbers, got {azimuths_deg!r}") from error
+        if len(wanted) > command_types.MOST_AZIMUTHS:
+            raise ValueError(f"azimuths_deg: expected at most {command_types.MOST_AZIMUTHS}, got {len(wanted)}")
+        if first is not None and not wanted:  # it would explore
+            raise ValueError(f"first: expected azimuths_deg with it, got {first!r} alone")
         await self.request(command_types.Inform(wanted, first) if wanted else command_types.Listen())
 
     async def turn(self, heading_deg: float) -> None:
@@ -185,6 +203,10 @@ class Payload(StreamRequests):
         ValueError
             When a number of it is none, or no 32-bit float can hold it: nothing is sent then.
         """
+        if not isinstance(order, command_types.Order):
+            raise ValueError(f"order: expected one of the client's orders, got {order!r}")
+        order.check()
+        self._changed.check_open(order.words)
         self._commands.tick(self._station.now())
         number = self._commands.order(self.id, order)
         self._publish_progress()

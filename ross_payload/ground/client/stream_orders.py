@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Integral
 
 from ross_payload.ground.client.command_types import AZIMUTH, SOURCE, Order
 from ross_payload.ground.client.events import AudioStream
@@ -97,8 +98,10 @@ class StopStream(Order):
         """Find out what cannot be meant before it is sent."""
         if self.stream is not None and self.address:
             raise ValueError("stop: expected the number of a stream or where it goes, got both")
-        if self.stream is not None and self.stream < 0:  # which would mean all
-            raise ValueError(f"stop: expected a number from 0, got {self.stream}")
+        if self.stream is not None and (
+            not isinstance(self.stream, Integral) or self.stream < 0
+        ):  # which would mean all
+            raise ValueError(f"stop: expected a number from 0, got {self.stream!r}")
         if self.port and not self.address:
             raise ValueError("address: expected one beside a port, got none")
         stream_command.command_of(self.numbers)

@@ -13,7 +13,7 @@ from ross_payload.ground.client.events import AudioStream, SourceEstimate
 from ross_payload.ground.client.ftp_client import FileReader
 from ross_payload.ground.client.order_json import order_of
 from ross_payload.ground.client.stream_orders import Enrol, StopStream, Stream, is_shown
-from ross_payload.ground.client.streams import Wakeup
+from ross_payload.ground.client.streams import NOT_OPEN, Wakeup
 from ross_payload.ground.errors import LinkLost, RefusedByPayload
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_protocols.mavlink.codec import Packet
@@ -29,7 +29,7 @@ class StreamRequests(ABC):
     _state: PayloadState
 
     def __init__(self, send: Callable[[Any], None], who: ComponentId, us: ComponentId) -> None:
-        self._changed = Wakeup()
+        self._changed = Wakeup(NOT_OPEN)
         self._send_to, self._who, self._us = send, who, us
         self._one_stream_order = asyncio.Lock()  # of two at once nobody could tell which one was refused
         self._one_file = asyncio.Lock()  # the payload has one open for us
@@ -67,9 +67,10 @@ class StreamRequests(ABC):
             When the address is no unicast address, or something else cannot be meant.
         """
         index = which.source if isinstance(which, SourceEstimate) else which
+        goes_to = {} if to is None else dict(zip(("address", "port"), _pair(to), strict=True))
         order = order_of(
             {"kind": "stream", "stream": number, "what": what, what or "source": index, "codec": codec}
-            | ({} if to is None else {"address": to[0], "port": to[1]})
+            | goes_to
             | {"gain": gain_db, "muted": muted}
         )
         async with self._one_stream_order:
@@ -88,7 +89,7 @@ class StreamRequests(ABC):
         ValueError
             When both are given, or the address is no unicast address.
         """
-        address, port = ("", 0) if to is None else to
+        address, port = ("", 0) if to is None else _pair(to)
         if to is not None and not address:
             raise ValueError("address: expected IPv4, got none")  # which would end all
         order = StopStream(number, address, port)
@@ -123,6 +124,7 @@ class StreamRequests(ABC):
             When nothing answers.
         """
         name = f"/{description_file(number)}"
+        self._changed.check_open(f"session description of stream {number}")
         async with self._one_file:
             await self._changed.until(lambda: not self._reads_files())
             reader = self._reader = FileReader(self._send_to, self._who, self._us, name, self._sequence)
@@ -149,3 +151,16 @@ class StreamRequests(ABC):
     def streams(self) -> tuple[AudioStream, ...]:
         """The streams of live listening, also those that have ended."""
         return tuple(map(AudioStream.of, self._state.streams))
+
+
+def _pair(to: tuple[str, int]) -> tuple[str, int]:
+    """Return the address and the port where a stream goes.
+
+    Raises
+    ------
+    ValueError
+        When it is no such pair.
+    """
+    if not isinstance(to, tuple | list) or len(to) != 2:
+        raise ValueError(f'to: expected an address and a port as in ("192.168.1.20", 5004), got {to!r}')
+    return to[0], to[1]

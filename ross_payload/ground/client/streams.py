@@ -13,14 +13,19 @@ from ross_payload.ground.errors import LinkLost
 
 Found = TypeVar("Found")
 MOST_EVENTS = 10_000  # that wait for a slow reader; the oldest are dropped
+NOT_OPEN, CLOSED = "the client is not open: use it inside of 'async with'", "the client is closed"
 
 
 class Wakeup:
     """Wakes all coroutines that wait until something is found."""
 
-    def __init__(self) -> None:
+    def __init__(self, ended: str = "") -> None:
         self._event = asyncio.Event()
-        self._closed = False
+        self._ended = ended  # why nothing changes; empty: something may
+
+    def open(self) -> None:
+        """Begin: from here on something may change. What is closed stays so."""
+        self._ended = "" if self._ended == NOT_OPEN else self._ended
 
     def wake(self) -> None:
         """Let every coroutine look again."""
@@ -29,8 +34,19 @@ class Wakeup:
 
     def close(self) -> None:
         """Let every coroutine end: nothing will change any more."""
-        self._closed = True
+        self._ended = CLOSED
         self.wake()
+
+    def check_open(self, request: str) -> None:
+        """Find out before something is sent that nothing would be received.
+
+        Raises
+        ------
+        LinkLost
+            When nothing changes.
+        """
+        if self._ended:
+            raise LinkLost(request, f"nothing was sent: {self._ended}")
 
     async def until(self, find: Callable[[], Found | None]) -> Found:
         """Return what ``find`` returns, as soon as that is true.
@@ -41,8 +57,8 @@ class Wakeup:
             When there is nothing left to wait for.
         """
         while not (found := find()):
-            if self._closed:
-                raise LinkLost("what is awaited", "the client is closed")
+            if self._ended:
+                raise LinkLost("what is awaited", self._ended)
             await self._event.wait()
         return found
 

@@ -10,6 +10,7 @@ import pytest
 from hand_station import PAYLOAD
 from ross_payload.ground import (
     LinkLost,
+    NoPayload,
     Payload,
     RefusedByPayload,
     TaskCancelled,
@@ -81,6 +82,12 @@ def test_too_many_azimuths_are_not_sent():
         lambda payload: payload.listen_at(None),
         lambda payload: payload.turn(10**400),
         lambda payload: payload.stop_stream(to=("", 0)),
+        lambda payload: payload.stop_stream("0"),
+        lambda payload: payload.stop_stream(to="127.0.0.1:5004"),
+        lambda payload: payload.stream("target", to=("127.0.0.1",)),
+        lambda payload: payload.find_voice(first=0),
+        lambda payload: payload.find_voice(5),
+        lambda payload: payload.request("turn"),
     ],
 )
 def test_what_was_not_found_is_no_order_to_do_something_else(ask):
@@ -88,6 +95,54 @@ def test_what_was_not_found_is_no_order_to_do_something_else(ask):
     error = with_payload(station, lambda payload: raised(ask(payload)))
     assert isinstance(error, ValueError)
     assert station.commands() == []
+
+
+NOTHING = "was not answered: nothing was sent: the client is"
+OUTSIDE = [
+    lambda payload: payload.turn(10),
+    lambda payload: payload.stop(),
+    lambda payload: payload.stream("mixture", to=("127.0.0.1", 5004)),
+    lambda payload: payload.session_description(0),
+    lambda payload: payload.parameters.set("EXP_UNIT", 2.5),
+    lambda payload: payload.parameters["EXP_UNIT"],
+]
+
+
+@pytest.mark.parametrize("ask", OUTSIDE)
+async def test_a_client_that_is_not_open_sends_nothing_and_says_so_at_once(ask):
+    station = Scripted(Result.ACCEPTED)
+    payload = Payload(station, PAYLOAD)
+    async with asyncio.timeout(1):
+        error = await raised(ask(payload))
+    assert isinstance(error, LinkLost)
+    assert f"{NOTHING} not open: use it inside of 'async with'" in str(error)
+    assert station.sent == []
+
+
+@pytest.mark.parametrize("ask", OUTSIDE)
+async def test_a_client_that_is_closed_sends_nothing_and_says_so_at_once(ask):
+    station = Scripted(Result.ACCEPTED)
+    async with Payload(station, PAYLOAD) as payload:
+        pass
+    station.sent.clear()
+    async with asyncio.timeout(1):
+        error = await raised(ask(payload))
+    assert isinstance(error, LinkLost)
+    assert f"{NOTHING} closed" in str(error)
+    assert station.sent == []
+
+
+@pytest.mark.parametrize("who", [OTHER, "1-191", None])
+def test_a_payload_that_was_not_received_is_named_with_those_that_were(who):
+    with pytest.raises(NoPayload, match=r"1-191 is$") as caught:
+        Payload(Scripted(), who)
+    assert caught.value.received == ("1-191",)
+
+
+@pytest.mark.parametrize("name", [5, None])
+def test_a_name_that_is_no_text_is_unknown(name):
+    error = with_payload(Scripted(), lambda payload: raised(payload.parameters[name]))
+    assert isinstance(error, UnknownParameter)
 
 
 def test_an_azimuth_of_zero_in_an_array_is_one():

@@ -1,6 +1,7 @@
 """The client for scripts: what it tells of the payload as events, and to which payload it connects."""
 
 import asyncio
+import math
 
 import pytest
 
@@ -146,6 +147,17 @@ async def test_an_id_that_is_none_is_refused_at_once():
     [
         ((), {}, ValueError, "urls: expected one"),
         (("udpin:127.0.0.1:0",), {"system_id": 999}, ValueError, "system_id: expected 1 to 255, got 999"),
+        ((["udpin:127.0.0.1:0"],), {}, ValueError, r"urls: expected text such as .*for a list: connect\(\*urls\)"),
+        ((None,), {}, ValueError, "urls: expected text such as udpin:127.0.0.1:14550, got None"),
+        (("udpin:127.0.0.1:0",), {"system_id": "254"}, ValueError, "system_id: expected 1 to 255, got '254'"),
+        (("udpin:127.0.0.1:0",), {"system_id": 252.5}, ValueError, "system_id: expected 1 to 255, got 252.5"),
+        (("udpin:127.0.0.1:0",), {"system_id": True}, ValueError, "system_id: expected 1 to 255, got True"),
+        (("udpin:127.0.0.1:0",), {"timeout_s": "5"}, ValueError, "timeout_s: expected a number of seconds .*got '5'"),
+        (("udpin:127.0.0.1:0",), {"timeout_s": math.nan}, ValueError, "timeout_s: .*got nan"),
+        (("udpin:127.0.0.1:0",), {"payload": [1, 191]}, ValueError, r"payload: expected an id .*got \[1, 191\]"),
+        (("udpin:127.0.0.1:0",), {"payload": (1, 300)}, ValueError, "expected system-component.*got '1-300'"),
+        (("udpin:127.0.0.1:0",), {"key": 5}, ValueError, "key: expected 32 bytes, or their file, got 5"),
+        (("udpin:127.0.0.1:0",), {"log": 5}, ValueError, "log: expected a folder, got 5"),
         (("udpin:127.0.0.1:0",), {"key": b"short"}, GroundError, "key: expected 32 bytes, got 5"),
         (("udpin:127.0.0.1:0",), {"key": "no-such-key"}, GroundError, "key no-such-key: cannot be read"),
         (
@@ -158,7 +170,7 @@ async def test_an_id_that_is_none_is_refused_at_once():
 )
 async def test_what_cannot_be_connected_with_is_told_at_once(urls, wrong, kind, said):
     with pytest.raises(kind, match=said):
-        async with connect(*urls, **wrong, timeout_s=0.1):
+        async with connect(*urls, **{"timeout_s": 0.1} | wrong):
             pass
 
 
