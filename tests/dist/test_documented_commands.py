@@ -224,6 +224,22 @@ def test_the_missions_of_a_page_are_flown(page, sandbox):
         assert done.returncode in place_of(command)[1], f"{command}\n{done.stderr}"
 
 
+TUTORIALS = {"docs/tutorials/first-mission.md": "make demo", "docs/tutorials/hear-it.md": "ross sitl --scenario"}
+PRINTED = re.compile(r" *\d+\.\d\d s  .*")  # a line of a mission
+
+
+@pytest.mark.parametrize("page", TUTORIALS)
+def test_a_mission_prints_what_the_tutorial_shows(page, sandbox):
+    command = next(line for where, line in SHELL if where == page and line.startswith(TUTORIALS[page]))
+    printed = run(command.replace("make demo", "ross sitl"), sandbox).stdout.splitlines()
+    shown = [line for one in blocks("text") if one.page == page for line in one.text.splitlines()]
+    lines = [line for line in shown if PRINTED.fullmatch(line)]
+    assert len(lines) >= 3
+    for line in lines:
+        start, cut, _ = line.partition(" ...")
+        assert any(one.startswith(start) if cut else one == line for one in printed), line
+
+
 # ------------------------------------------------------------------------------------------------ TOML
 
 
