@@ -181,8 +181,9 @@ class WavWriter:
         try:
             yield
         except (OSError, soundfile.LibsndfileError) as error:
-            told = isinstance(error, OSError) and error.errno
-            why = reason(error) if told else f"is the disk full? ({error})"  # libsndfile does not tell
+            told = isinstance(error, OSError) and error.errno  # libsndfile does not tell
+            words = error.error_string if isinstance(error, soundfile.LibsndfileError) else error  # without a file
+            why = reason(error) if told else f"is the disk full? ({words})"
             self._error = OutputError(f"{self._path.name}: cannot be written: {why}")
             raise self._error from error
 

@@ -51,3 +51,14 @@ def test_what_was_heard_before_something_else_went_wrong_is_kept(tmp_path):
         writer.write(LATER)
         raise ValueError
     assert soundfile.info(path).frames == LATER.shape[1]
+
+
+def test_a_file_that_cannot_be_begun_is_told_by_its_own_name(tmp_path, monkeypatch):
+    def full(*args, **options):
+        raise soundfile.LibsndfileError(2, prefix=f"Error opening {args[0]!r}: ")
+
+    monkeypatch.setattr("ross_payload.audio.audio_files.soundfile.SoundFile", full)
+    with pytest.raises(OutputError) as caught:
+        WavWriter(tmp_path / "target.wav", RATE, 1)
+    assert str(caught.value) == "target.wav: cannot be written: is the disk full? (System error.)"
+    assert list(tmp_path.iterdir()) == []
