@@ -103,6 +103,7 @@ class Point(Task):
     joint: float | None = None  # joint angle, modulo a turn [rad]
     heading: float | None = None  # held while the base turns [rad]
     rate: float | None = None  # [rad/s]: with an angle the most; alone signed, 0: stand still
+    park: bool = False  # ``joint`` is the parking position: no other turn of it
 
 
 @dataclass(frozen=True, slots=True)

@@ -137,6 +137,8 @@ class _SetPointController:
     def _meant(self) -> float:
         """Return the joint angle that the set-point means [rad]; beyond a limit it is the limit."""
         settings, here = self._context.settings, self._context.pointing
+        if self.point.park and self.point.joint is not None:
+            return min(max(self.point.joint, settings.lower), settings.upper)  # a cable is wound by no turn more
         if self.point.heading is not None:
             angle = self.point.heading - here.zero - LEAD * here.base_rate
         elif self.point.joint is not None:

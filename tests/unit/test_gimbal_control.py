@@ -155,6 +155,21 @@ def test_retracted_is_parked_and_neutral_is_forward(bench, flag, angle):
     assert one.attitude(7.5).flags == FOLLOW | flag
 
 
+@pytest.mark.parametrize(
+    ("guard", "options", "angle"),
+    [
+        ({"park_deg": -190}, {}, -190),
+        ({"park_deg": 190}, {"lower_deg": -90, "upper_deg": 90}, 90),
+    ],
+    ids=["no other turn of it", "the end of the travel on its side"],
+)
+def test_retracted_is_where_the_order_to_park_leads(bench, guard, options, angle):
+    """A cable that is wound the other way round is not parked."""
+    one = bench(guard=guard, actuator={"kind": "ideal", "options": options})
+    one.live(10.0, one.ground.command(3.0, POINT, 0, 0, NAN, NAN, 1, 0, 1))
+    assert one.angle(9.5) == pytest.approx(angle, abs=0.05)
+
+
 # ---------------------------------------------------------------------------------------------------- with the mission
 
 

@@ -131,7 +131,8 @@ class SetpointController:
 
     def _order(self, aim: Aim, offset: float) -> Point:
         if aim.rest is not None:
-            return Point(joint=self._park if aim.rest is Rest.RETRACTED else -offset)
+            retracted = aim.rest is Rest.RETRACTED
+            return Point(joint=self._park, park=True) if retracted else Point(joint=-offset)
         if aim.yaw is None:
             return Point(rate=aim.rate)
         if aim.earth:
