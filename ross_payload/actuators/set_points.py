@@ -9,6 +9,7 @@ from ross_payload.actuators.motion import Motion, Trapezoid
 from ross_payload.interfaces import Capabilities
 
 SET_POINT_PERIOD_S = 0.02  # between set-points [s]
+UNSEEN_S = 0.15  # longer between two reports, and the device may have got no set-points either [s]
 SLOWEST_S, PACE_DECAY = 0.1, 0.8  # of the pace that a plan keeps to [s]; of a slower one from one set-point to the next
 
 
@@ -100,6 +101,10 @@ class SetPoints:
             self.turn(Move(motion.plan.goal, motion.plan.speed), position, velocity, now)
         else:
             self.settle(position, velocity, now)
+
+    def brakes_after(self, time: float) -> bool:
+        """Tell whether it brakes, or was to brake, later than ``time`` [s]."""
+        return self.motion is not None and not self._turning and self.motion.end > time
 
     def due(self, motion: Motion, period: float, now: float) -> float | None:
         """Return the set-point that is due [rad]: where it should be when the next one comes; None: not yet."""

@@ -74,23 +74,24 @@ def kinds(*named: str) -> list[object]:
 
 
 class CuttableWire:
-    """A wire that stops delivering when it is cut."""
+    """A wire that stops delivering when it is cut, and takes nothing either when it is severed."""
 
     def __init__(self, port: Port | None = None) -> None:
         self._port = port
-        self.cut = False
+        self.cut = self.severed = False
 
     def plug(self, port: Port) -> None:
         self._port = port
 
     def send(self, frame: Any) -> None:
         assert self._port
-        self._port.send(frame)
+        if not self.severed:
+            self._port.send(frame)
 
     def receive(self) -> list[Any]:
         assert self._port
         arrived = self._port.receive()
-        return [] if self.cut else arrived
+        return [] if self.cut or self.severed else arrived
 
     def close(self) -> None:
         assert self._port

@@ -15,11 +15,19 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Driver, DriverBackend, Move, Request, capabilities_of
-from ross_payload.actuators.dronecan_servo.diagnostics import MAX_NOISE_RAD, PositionNoise
+from ross_payload.actuators.driver_shell import (
+    HELD_UP_S,
+    TIME_TOLERANCE_S,
+    Driver,
+    DriverBackend,
+    Move,
+    Request,
+    capabilities_of,
+)
+from ross_payload.actuators.dronecan_servo.diagnostics import LATE_REPORT_S, MAX_NOISE_RAD, PositionNoise
 from ross_payload.actuators.dronecan_servo.options import Options
-from ross_payload.actuators.dronecan_servo.servo_client import PositionReport, ServoClient
-from ross_payload.actuators.set_points import SET_POINT_PERIOD_S, SetPoints
+from ross_payload.actuators.dronecan_servo.servo_client import ALIVE_TIMEOUT_S, PositionReport, ServoClient
+from ross_payload.actuators.set_points import SET_POINT_PERIOD_S, UNSEEN_S, SetPoints
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import ActuatorState, Clock, Feedback, Port
 
@@ -38,6 +46,8 @@ class DronecanServo(Driver):
         self._homed = False  # of a model
         self._home_until = math.inf  # a model's homing is over [s]
         self._noise = PositionNoise()
+        self._read_at = math.inf  # the bus, last [s]
+        self._silence = 0.0  # for so long it was listened to without a word of the servo [s]
         self._behind = 0  # reports in a row that were too far behind
         self._fault = ""
         self.capabilities = capabilities_of(options, options.resolution, Feedback(options.feedback))
@@ -52,20 +62,24 @@ class DronecanServo(Driver):
         """Join the bus and listen."""
         self._client = ServoClient(self._options, port, now, self._angle)
         self._reports.clear()
+        self._read_at, self._silence = now, 0.0
 
     def read(self, now: float) -> None:
         """Read the bus; remember the newest place; latch what is wrong with it or with the bus."""
         self._plan.catch_up(now)  # from the last set-point, where the servo stands
-        client = self._client
+        client, heard_at = self._client, self._client.heard_at
         client.read(now)
+        self._look_for_silence(heard_at, now)
         if client.event:
             self._latch(client.event)
         if client.lost:
             self._let_go()
         client.event, client.lost = "", False
-        report = client.report
-        if self._measured and report.time > (self._reports[-1].time if self._reports else -math.inf):
+        report, before = client.report, self._reports[-1].time if self._reports else -math.inf
+        if self._measured and report.time > before:
             self._reports.append(self._believed(report))
+            if report.time - before > UNSEEN_S and self._plan.brakes_after(before):
+                self._stay(self._reports[-1].joint, now)
             self._check_lag(self._reports[-1].joint, now)
         while len(self._reports) > 1 and self._reports[1].time <= now - self._options.settle_ms * 1e-3:
             self._reports.popleft()
@@ -78,7 +92,7 @@ class DronecanServo(Driver):
         elif request is Request.RELEASE:
             self._let_go()
         elif request is Request.HALT:
-            self._plan.halt(now)
+            self._halt(now)
         else:
             self._home(now)
 
@@ -130,6 +144,33 @@ class DronecanServo(Driver):
             self._latch(f"the servo does not follow: at {here:.1f} deg, commanded {there:.1f} deg")
             self._plan.hold(joint, now)
 
+    def _look_for_silence(self, heard_at: float, now: float) -> None:
+        """Note for how long nothing was heard, not counting a pause of this program.
+
+        A model that was to brake meanwhile has come to rest where its last set-point came.
+        """
+        listened, self._read_at = min(now - self._read_at, HELD_UP_S), now
+        heard = self._client.heard_at > heard_at
+        if heard and self._is_lost(heard_at) and self._plan.brakes_after(heard_at):
+            self._lose()
+        self._silence = 0.0 if heard else self._silence + listened
+
+    def _is_lost(self, heard_at: float) -> bool:
+        """Tell whether a model was moving while nothing was heard of it since ``heard_at`` [s]: nor it of us, maybe."""
+        motion = self._plan.motion
+        moved = motion is not None and motion.plan.duration > 0.0 and motion.end > heard_at
+        unheard = self._silence > (ALIVE_TIMEOUT_S if self._client.only_beats else LATE_REPORT_S)
+        return moved and unheard and not self._measured
+
+    def _lose(self) -> None:
+        self._latch("the servo was to stop while nothing was heard of it: its position is uncertain; home and rearm")
+        self._let_go()
+
+    def _stay(self, joint: float, now: float) -> None:
+        """Stay where a servo has come to rest that was to brake, and got no set-points."""
+        if math.isfinite(joint):
+            self._plan.hold(joint, now)
+
     def _latch(self, fault: str) -> None:
         self._fault = self._fault or fault
 
@@ -144,6 +185,13 @@ class DronecanServo(Driver):
         motion = self._plan.motion
         position, velocity = motion.at(now) if motion is not None else (self._angle, 0.0)
         self._plan.turn(move, position, velocity, now)
+
+    def _halt(self, now: float) -> None:
+        """Brake; to one that is lost no set-point is sent any more."""
+        if self._is_lost(self._client.heard_at):
+            self._lose()
+        else:
+            self._plan.halt(now)
 
     def _home(self, now: float) -> None:
         self._fault, self._homed = "", False

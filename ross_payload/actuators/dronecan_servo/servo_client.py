@@ -109,6 +109,11 @@ class ServoClient:
         return self._info_query.identity
 
     @property
+    def only_beats(self) -> bool:
+        """Whether it has said nothing so far but that it lives, once a second."""
+        return math.isinf(self.report.time)
+
+    @property
     def nameless(self) -> str:
         """Why we cannot speak, in words; empty: we have a node id."""
         return "" if self._node.id else self._node.trouble or "waiting for a node id"
@@ -133,8 +138,7 @@ class ServoClient:
             self._info_query.poll(self._node, now)
         senders = Counter(frame.id & 0x7F for frame in frames)
         self._traffic.update(now, senders, self._decoder.broken[self._options.node_id])
-        only_beats = math.isinf(self.report.time)
-        late = now - max(self.heard_at, self._start) > (ALIVE_TIMEOUT_S if only_beats else LATE_REPORT_S)
+        late = now - max(self.heard_at, self._start) > (ALIVE_TIMEOUT_S if self.only_beats else LATE_REPORT_S)
         self.event = self.event or self._traffic.damage or (self._traffic.full if late else "")
         if self._named and self.nameless:
             self.event, self.lost = self.nameless, True

@@ -89,6 +89,7 @@ class MavlinkGimbal(Driver):
         if not (seen.restarted and fresh):  # that is a fault of the motion under way
             known = fresh and not (self._blind or diagnostics.contradiction(seen))
             self._plan.go_on(seen if known else None, now)
+            self._plan.look_again(seen, now, believed=known)
 
     def obey(self, request: Move | Request, now: float) -> None:
         """Plan, claim control or give it back; a release decelerates: the protocol switches no motors off."""

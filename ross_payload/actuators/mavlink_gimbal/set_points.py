@@ -7,10 +7,11 @@ import math
 from ross_payload.actuators.driver_shell import Move
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
 from ross_payload.actuators.motion import Motion, Trapezoid
-from ross_payload.actuators.set_points import SetPoints
+from ross_payload.actuators.set_points import UNSEEN_S, SetPoints
 from ross_payload.interfaces import Capabilities
 
 PAUSE_S = 0.25  # longer without the next set-point, and what follows them has come to rest at the last one [s]
+FRESH_S = 0.1  # a report that is older is no place to brake from [s]
 STILL_RAD_S = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
 
 
@@ -30,6 +31,7 @@ class YawSetPoints(SetPoints):
         self._still = still
         self.braking: Motion | None = None
         self.restless = math.inf  # when it was last seen away from its goal [s]
+        self._seen_at = -math.inf  # [s]
 
     def hold(self, angle: float, now: float) -> None:
         """Stay at an angle [rad], also where somebody else has turned it beyond the travel that we keep to."""
@@ -47,6 +49,18 @@ class YawSetPoints(SetPoints):
     def go_on(self, seen: GimbalFeedback | None, now: float) -> None:
         """Start again from where it is seen, or was sent last, if this program paused in the middle of a motion."""
         self.catch_up(now, None if seen is None else self._there(seen, now))
+
+    def look_again(self, seen: GimbalFeedback, now: float, *, believed: bool) -> None:
+        """Brake from where it is seen after a while without reports: it may have got no set-points either.
+
+        Then it has come to rest at the last one, and the plan has gone on. Nobody brakes from where it is not
+        ``believed`` to be.
+        """
+        if now - seen.time > FRESH_S:
+            return
+        before, self._seen_at = self._seen_at, seen.time
+        if believed and seen.time - before > UNSEEN_S and self.brakes_after(before):
+            self.resume(seen, None, now)
 
     def forget_late_brake(self, now: float) -> None:
         """Brake no more what somebody else turned, if this program was held up: they may have turned it since."""

@@ -24,7 +24,7 @@ from ross_payload.actuators.driver_shell import (
 )
 from ross_payload.actuators.mavlink_gimbal.component_port import ReceivedPacket
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
-from ross_payload.actuators.mavlink_gimbal.set_points import YawSetPoints
+from ross_payload.actuators.mavlink_gimbal.set_points import FRESH_S, YawSetPoints
 from ross_payload.actuators.vehicle_yaw import diagnostics
 from ross_payload.actuators.vehicle_yaw.flight_watch import FlightWatch
 from ross_payload.actuators.vehicle_yaw.options import Options
@@ -40,7 +40,6 @@ STILL_RAD_S = math.radians(5)  # with which a vehicle that holds its yaw in wind
 FASTEST_RAD_S = math.radians(120)  # at which no payload turns a vehicle; a pilot may, a little faster
 ASKING_S = 2.0  # in which an autopilot must tell what it was asked for
 ASKING_PERIOD_S = 0.2  # between two times that it is asked to hold its yaw
-FRESH_S = 0.1  # an attitude that is older is no place to brake from
 STOP_PERIOD_S = 0.1  # between two stops, until the vehicle stands
 TELLING_S = 0.4  # in which an autopilot that has just been found tells whether it may be turned; a probe waits 0.5
 REMIND_PERIOD_S = 1.0  # between set-points of a vehicle that is not yet at its goal after its time
@@ -113,6 +112,7 @@ class VehicleYaw(Driver):
         known = ours and not diagnostics.contradiction(seen) and now - seen.time <= FRESH_S
         if not self._stopping > -math.inf:
             self._plan.go_on(seen if known else None, now)
+        self._plan.look_again(seen, now, believed=not diagnostics.contradiction(seen))
 
     def obey(self, request: Move | Request, now: float) -> None:
         """Plan, hold it for a task or not; a release is a stop: a vehicle in the air lets nothing go."""
