@@ -295,6 +295,20 @@ def test_a_move_takes_no_longer_when_polls_come_late(rig: Rig, kind: str, period
     assert rig.far_end.angle() == pytest.approx(1.5, abs=rig.tolerance)
 
 
+@pytest.mark.parametrize("period", [0.03, *in_soak(0.04, 0.06)])
+def test_a_move_ends_at_its_goal_and_not_beyond_when_polls_come_late(rig: Rig, kind: str, period: float) -> None:
+    if LONGEST_PAUSE.get(kind, 1.0) < period:
+        return
+    rig.actuator.command(1.0)
+    farthest, end = 0.0, rig.clock.now() + 6.0
+    while not rig.state.settled:
+        rig.pause(period - QUANTUM)
+        rig.clock.sleep(QUANTUM)
+        farthest = max(farthest, rig.far_end.angle())
+        assert rig.clock.now() < end, rig.state
+    assert farthest <= 1.0 + rig.tolerance + SWING
+
+
 def begin_a_move_and_pause(rig: Rig, pause: float) -> None:
     rig.actuator.command(rig.upper - 0.2)
     rig.clock.sleep(0.8)

@@ -21,7 +21,8 @@ from ross_protocols.mavlink.vehicle import euler, quaternion
 STEP = 0.002  # of the servo loop [s]
 COASTING = 3.0  # friction of a motor without torque [rad/s^2]
 TREMBLE = math.radians(3)  # of a sensor that is broken, standard deviation [rad]
-GLIDE = 0.02  # in which a new set-point is approached, so that a stream of them makes no noise [s]
+GLIDE = 0.02  # in which a new set-point is approached, so that a stream of them makes no noise, at least [s]
+LONGEST_GLIDE = 0.1  # between two set-points of a stream that is slower [s]
 STAMP_LAGS = (0.003, 0.001, 0.004, 0.002)  # by which its attitude is older than its report, in turn [s]
 EARLY = 1e-9  # [s], of rounding
 
@@ -72,6 +73,7 @@ class Device:
         self._earth = earth
         self._rate = 0.0
         self._goal, self._from, self._since = 0.0, 0.0, -math.inf  # set-point, the one before, when it came
+        self._glide, self._gap = GLIDE, 0.0  # in which it is approached; between the last two of a stream [s]
         self._locked: float | None = None  # set-point from north [rad]
         self._now, self._boot, self._lags = now, now - up, cycle(STAMP_LAGS)
         self._managed = -math.inf
@@ -116,13 +118,13 @@ class Device:
     def _rests(self) -> bool:
         """Whether friction holds the axis near its set-point."""
         near = abs(self._goal - self._encoder()) <= self.servo.resolution
-        return self._rate == 0.0 and near and self._now - self._since >= GLIDE
+        return self._rate == 0.0 and near and self._now - self._since >= self._glide
 
     def _turn(self) -> None:
         """One step: a critically damped loop on the encoder, its acceleration and speed limited, stops at both ends."""
-        servo, share = self.servo, min((self._now - self._since) / GLIDE, 1.0)
+        servo, share = self.servo, self._share()
         aim = self._from + share * (self._goal - self._from)
-        lead = (self._goal - self._from) / GLIDE if share < 1.0 else 0.0
+        lead = (self._goal - self._from) / self._glide if share < 1.0 else 0.0
         error = aim - self._encoder()
         if self.limp and not self.stuck:
             self._advance(math.copysign(max(abs(self._rate) - COASTING * STEP, 0.0), self._rate))
@@ -164,12 +166,20 @@ class Device:
         As ArduPilot does with a servo (`AP_Mount_Servo::closest_limit`).
         """
         servo, before = self.servo, self._goal
-        share = min((self._now - self._since) / GLIDE, 1.0)
-        self._from += share * (before - self._from)
         near = before + wrap(angle - before)
         inside = [turn for turn in (near, near - math.tau, near + math.tau) if servo.lower <= turn <= servo.upper]
-        self._goal = inside[0] if inside else min(servo.lower, servo.upper, key=lambda stop: abs(wrap(angle - stop)))
-        self._since = self._now
+        goal = inside[0] if inside else min(servo.lower, servo.upper, key=lambda stop: abs(wrap(angle - stop)))
+        if goal == before:
+            return  # repeated, as managers do
+        self._from += self._share() * (before - self._from)
+        last, gap = self._gap, self._now - self._since
+        self._goal, self._since = goal, self._now
+        self._gap = gap if GLIDE + EARLY < gap <= LONGEST_GLIDE + EARLY else 0.0
+        self._glide = max(GLIDE, self._gap, last)  # of two: a manager that repeats them has a rhythm of its own
+
+    def _share(self) -> float:
+        """Return how far it is on the way from the set-point before to the last one, 0 to 1."""
+        return min((self._now - self._since) / self._glide, 1.0)
 
     def _command(self, packet: Packet, now: float) -> list[Any]:
         message, number = packet.message, packet.message.param1
