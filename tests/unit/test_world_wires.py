@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ross_payload.actuators.tb6600.options import Options
 from ross_payload.actuators.tb6600.pulse_segments import (
     EDGE,
     Level,
@@ -25,7 +26,9 @@ from ross_payload.actuators.tb6600.pulse_segments import (
 from ross_payload.actuators.wires import TcpWire, greeting, open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.errors import ConfigError, LinkError
+from ross_sim.devices.far_end import Fault
 from ross_sim.devices.ideal import Goal, Halt, IdealFarEnd, Report
+from ross_sim.devices.tb6600_far_end import Tb6600FarEnd
 from ross_sim.devices.wire_servers import IdealCodec, IdealSide, PulseSide, WireServer, side_of
 from waiting import wait_for
 
@@ -133,6 +136,16 @@ def test_what_the_module_notices_crosses_in_the_time_of_the_clock():
         reports = []
         wait_for(lambda: reports.extend(wire.receive()) or len(reports) == 2)
     assert reports == [Level(PulseLine.HOME, False, 4.5 + epoch), RanOut(4.75 + epoch)]
+
+
+def test_a_stepper_that_falls_silent_reports_no_segment_to_another_process_either():
+    far_end = Tb6600FarEnd.make(Options())
+    side = PulseSide(far_end.port, epoch=0.0)
+    side.arrived(Segment(1.0, 0.05, EDGES), 0.9)
+    for suffers, due in ((True, []), (False, [Played(1.05)])):
+        far_end.afflict(Fault.SILENT, on=suffers)
+        side.exchange(begin=1.0)
+        assert side.due(2.0) == due
 
 
 def test_a_goal_takes_effect_when_it_has_arrived_and_the_report_tells_the_time_of_both():

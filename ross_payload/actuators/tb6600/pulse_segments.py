@@ -101,6 +101,7 @@ class RecordingPulses:
         self._reports: list[Report] = []
         self.sent: list[Segment] = []  # the newest
         self.n_sent = 0
+        self.mute = False  # what is played is not reported, until it may be again
 
     def send(self, frame: Any) -> None:
         """Queue one Segment."""
@@ -119,7 +120,7 @@ class RecordingPulses:
 
     def play(self, now: float) -> None:
         """Report the segments that have ended by ``now`` [s]."""
-        while self._waiting and self._waiting[0].end <= now + 1e-9:
+        while not self.mute and self._waiting and self._waiting[0].end <= now + 1e-9:
             self._reports.append(Played(self._waiting.popleft().end))
 
     def report(self, report: Report) -> None:

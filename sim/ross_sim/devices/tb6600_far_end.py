@@ -59,10 +59,9 @@ class Tb6600FarEnd:
         if len(self._edges) or not self.rotor.still:
             self._live(now)
         self._now = now
-        if Fault.SILENT not in self._suffers:
-            self.port.play(now)
-            if self._home is not None:
-                self.port.report(self._home.look(self.angle(), now))
+        self.port.play(now)
+        if self._home is not None and not self.port.mute:
+            self.port.report(self._home.look(self.angle(), now))
 
     def angle(self) -> float:
         """Return the true joint angle [rad]."""
@@ -90,6 +89,7 @@ class Tb6600FarEnd:
             self._slipped += SLIP if on else 0.0
             return
         (self._suffers.add if on else self._suffers.discard)(fault)
+        self.port.mute = Fault.SILENT in self._suffers
         self.rotor.suffer(blocked=Fault.STUCK in self._suffers, current=Fault.STALL not in self._suffers)
 
     def complaints(self) -> list[str]:

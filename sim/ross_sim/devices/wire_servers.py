@@ -105,7 +105,11 @@ class PulseSide:
         return [*self._player.receive(), *drained(self._noticed)]
 
     def exchange(self, begin: float) -> None:
-        """Give the module all that has arrived; what it says of segments played comes too late for a payload."""
+        """Give the module all that has arrived; what it says of segments played comes too late for a payload.
+
+        One that is mute is so here, too.
+        """
+        self._player.mute = getattr(self._port, "mute", False)
         for segment in drained(self._inbox):
             self._port.send(segment)
         for report in self._port.receive():
