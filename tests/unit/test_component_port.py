@@ -6,6 +6,7 @@ import pytest
 
 from ross_payload.actuators.mavlink_gimbal.component_port import ComponentPort
 from ross_payload.mavlink import Received
+from ross_protocols.mavlink import gimbal_messages
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import common
@@ -44,3 +45,11 @@ def test_an_autopilot_is_believed_on_its_own_links_alone_where_there_are_any(rol
     wire, on_packet = port(*roles)
     on_packet(from_link(role, sender))
     assert len(wire.receive()) == believed
+
+
+@pytest.mark.parametrize(("whom", "heard"), [(GIMBAL, True), (ComponentId(0, 0), True), (ComponentId(7, 154), False)])
+def test_a_ground_station_that_points_our_gimbal_is_heard_and_one_that_points_another_vehicle_s_is_not(whom, heard):
+    wire, on_packet = port("ground")
+    (packet,) = Decoder().feed(Encoder(255, 190).encode(gimbal_messages.point_device(whom, 0.5)))
+    on_packet(Received("udpin:ground", "ground", packet, may_order=True))
+    assert len(wire.receive()) == heard

@@ -13,7 +13,7 @@ from ross_payload.interfaces import Clock, Port
 from ross_payload.mavlink import Received, Router
 from ross_payload.transport.async_task import drained
 from ross_protocols.mavlink.codec import Packet
-from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.component_id import ComponentId, target_of
 from ross_protocols.mavlink.vehicle import AUTOPILOT
 
 SCHEME = "mavlink:"
@@ -21,7 +21,7 @@ SCHEME = "mavlink:"
 
 @dataclass(frozen=True, slots=True)
 class ReceivedPacket:
-    """A packet of our own vehicle, and what we are called on it."""
+    """A packet of our own vehicle, or a set-point for its gimbal, and what we are called on it."""
 
     packet: Packet
     us: ComponentId
@@ -31,7 +31,8 @@ class ComponentPort:
     """A port of one of the payload's components: what is sent are messages, what comes in are `ReceivedPacket`.
 
     What the autopilot says is heard on links of role ``autopilot`` alone, where there is one: on any other somebody
-    else may say it. `send` belongs to the pump, like the links.
+    else may say it. Of other systems, such as ground stations, only what points a gimbal device of our vehicle is
+    heard: two managers would fight. `send` belongs to the pump, like the links.
 
     Raises
     ------
@@ -63,10 +64,14 @@ class ComponentPort:
         self._closed = True
 
     def _on_packet(self, received: Received) -> None:
-        packet = received.packet
-        if self._closed or packet.system_id != self._links.system_id:
+        packet, vehicle = received.packet, self._links.system_id
+        if self._closed:
             return
-        if packet.component_id != AUTOPILOT or received.role in self._role_of_autopilot:
+        if packet.system_id != vehicle:
+            points = packet.name == "GIMBAL_DEVICE_SET_ATTITUDE" and target_of(packet.message).system in (0, vehicle)
+            if points:
+                self._received.put(ReceivedPacket(packet, self._component.id))
+        elif packet.component_id != AUTOPILOT or received.role in self._role_of_autopilot:
             self._received.put(ReceivedPacket(packet, self._component.id))
 
 
