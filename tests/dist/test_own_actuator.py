@@ -1,6 +1,8 @@
 """'Add your own actuator', followed to the letter: its files, its commands, its claims."""
 
+import math
 import re
+from types import SimpleNamespace
 
 import pytest
 
@@ -20,6 +22,19 @@ def test_a_mission_turns_it(folder):
     flown = run(folder, "ross_payload.cli", "sitl", "--scenario", "short.toml", "--actuator", "my_turntable")
     assert flown.returncode in {0, 3}, flown.stderr
     assert "fault" not in flown.stdout.lower()
+
+
+def test_a_line_that_began_before_it_was_opened_is_no_fault(folder):
+    written = {}
+    exec((folder / "my_turntable" / "driver.py").read_text(), written)  # noqa: S102  # the page's own text
+    arrived = [b"4.2 3.5\nA 14.2 0.0\nA 14", b".2 0.0\n"]
+    wire = SimpleNamespace(receive=lambda: arrived, send=None, close=None)
+    driver = written["backend"].driver(written["Options"]())
+    for _ in range(2):  # also when it is opened again
+        driver.open(wire, 0.0)
+        driver.read(0.01)
+        state = driver.snapshot(0.01)
+        assert (state.fault, state.settled, state.angle) == ("", True, pytest.approx(math.radians(14.2)))
 
 
 def test_it_keeps_the_contract(folder):
