@@ -250,6 +250,22 @@ def test_a_stop_around_an_outage_of_the_wire_is_not_made_up_for_when_it_is_over(
     rig.actuator.__exit__(None, None, None)
 
 
+@pytest.mark.parametrize("led", [] if OWN else [*LED, *in_soak(*LED_TOO)])
+def test_a_turn_that_an_outage_of_the_wire_has_ended_does_not_go_on_when_it_is_over(led: str) -> None:
+    rig = rig_of(led).open()
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(0.8)
+    rig.wire.severed = True
+    rig.clock.sleep(0.7)
+    assert not rig.state.healthy
+    here = rig.far_end.angle()
+    rig.wire.severed = False
+    rig.clock.sleep(3.0)
+    assert rig.far_end.angle() - here <= SWING + math.radians(2)
+    assert not rig.state.healthy
+    rig.actuator.__exit__(None, None, None)
+
+
 @pytest.mark.parametrize("pause", [0.4, *in_soak(0.15, 0.3), 1.0, *in_soak(3.0)])
 def test_a_stop_stays_one_when_the_payload_is_held_up_while_it_brakes(rig: Rig, pause: float) -> None:
     """What has come to rest without set-points does not turn on to where braking would have ended."""
