@@ -250,6 +250,23 @@ def test_a_stop_around_an_outage_of_the_wire_is_not_made_up_for_when_it_is_over(
     rig.actuator.__exit__(None, None, None)
 
 
+@pytest.mark.parametrize("led", [] if OWN else ["mavlink_gimbal", "mavlink_gimbal:manager"])
+def test_a_gimbal_that_got_no_set_points_gets_none_before_it_is_heard_again(led: str) -> None:
+    rig = rig_of(led).open()
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(0.8)
+    rig.wire.severed = rig.wire.cut = True
+    rig.clock.sleep(3.0)
+    here = rig.far_end.angle()
+    rig.wire.severed = False
+    rig.clock.sleep(0.5)
+    assert rig.far_end.angle() == pytest.approx(here, abs=SWING)
+    rig.wire.cut = False
+    rig.clock.sleep(1.0)
+    assert rig.far_end.angle() == pytest.approx(here, abs=SWING)
+    rig.actuator.__exit__(None, None, None)
+
+
 @pytest.mark.parametrize("led", [] if OWN else [*LED, *in_soak(*LED_TOO)])
 def test_a_turn_that_an_outage_of_the_wire_has_ended_does_not_go_on_when_it_is_over(led: str) -> None:
     rig = rig_of(led).open()
