@@ -231,3 +231,18 @@ def test_more_steps_than_the_processor_of_grbl_makes_are_told_in_the_log(caplog)
     with caplog.at_level(logging.WARNING):
         Bench({110: 540_000.0}, max_speed_deg_s=225.0, microsteps=16).open()
     assert "$110 asks for 80001 steps/s: grbl on an AVR loses steps above 30000" in caplog.text
+
+
+def test_settings_that_came_damaged_are_read_again_when_it_is_homed():
+    """Without a digit of its acceleration every turn seemed to brake too late, until the payload was restarted."""
+    bench = Bench()
+    port, receive = bench.end.port, bench.end.port.receive
+    port.receive = lambda: [data.replace(b"$120=1", b"$120=").replace(b"$130", b"$1x30") for data in receive()]
+    bench.open(1.0)
+    port.receive = receive
+    bench.actuator.command(math.radians(10))
+    bench.clock.sleep(2.0)
+    assert "does not brake before the goal" in bench.state.fault
+    bench.actuator.home()
+    bench.until(lambda: bench.state.homed and bench.state.settled)
+    bench.go(math.radians(10))

@@ -155,7 +155,7 @@ class Grbl(Driver):
         yield from client.come_to_rest()
         if client.doing not in (State.IDLE, State.ALARM):
             yield from client.reset()
-        yield from client.void() if client.identified else client.identify()
+        yield from client.identify() if client.is_doubtful else client.void()
         at = 0.0
         if self._options.zero == "switch":
             yield from client.find_switch()

@@ -18,6 +18,7 @@ Script = Generator[None, None, None]
 log = logging.getLogger(__name__)
 START_TIMEOUT_S = 5.0  # with a board that starts [s]
 ANSWER_TIMEOUT_S = 1.0  # grbl answers a line within [s]
+DOUBT_S = 10.0  # so long before its settings are read a damaged line makes them doubtful [s]
 STRAY_ANSWER_S = 0.2  # within which that to a line comes which was told before it started [s]
 CANCEL_PERIOD_S = 0.020  # between two bytes that cancel [s]
 VOID = b"$\n"  # asks for help; at the end of what somebody left half said, such as a jog, it makes that no command
@@ -49,6 +50,7 @@ class GrblClient:
         self._starts = 0  # banners
         self.tracker = PositionTracker(options.index, options.resolution)
         self.identified = False
+        self._identified_at = math.inf  # since when its settings are read [s]
         self.homing = False  # during which grbl tells nothing, until it has told where it is
         self.position_known = False  # whether the counter still means what it did
 
@@ -61,6 +63,11 @@ class GrblClient:
     def version(self) -> str:
         """Of the firmware; empty until it is known."""
         return self._version
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether its settings may have come damaged, which have no check sum: others have since, or about then."""
+        return not self.identified or self._line.damaged_at >= self._identified_at - DOUBT_S
 
     @property
     def report_time(self) -> float:
@@ -119,7 +126,7 @@ class GrblClient:
 
     def identify(self) -> Script:
         """Read version and settings and hold them against the options."""
-        starts = -1
+        starts, self._identified_at = -1, self._now
         while starts != self._starts:  # once more when it has started meanwhile
             starts, self._version = self._starts, ""
             self._settings.clear()

@@ -25,6 +25,7 @@ class LineProtocol:
         self._asked: float | None = None  # when the first `?` went out that nobody has answered [s]
         self._again = 0.0  # when to ask once more [s]
         self._damage: deque[tuple[float, str]] = deque(maxlen=MAX_DAMAGED)
+        self.damaged_at = float("-inf")  # when the last line that cannot be true came [s]
         self.waiting = False  # for the answer to a line
         self.answer: Ok | Error = Ok()
         self.report: Report | None = None
@@ -73,6 +74,7 @@ class LineProtocol:
     def on_damage(self, now: float, text: str) -> None:
         """Note a line that cannot be true."""
         self._damage.append((now, text))
+        self.damaged_at = now
 
     def noise(self, now: float) -> str:
         """Say that the line is noisy; empty when it is not."""
