@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import select
 import termios
@@ -183,6 +184,11 @@ def opposite(url: str) -> str:
 def advice(config: Config, address: str) -> str:
     """Return what a payload's configuration says of this device: only an autopilot's link has its role.
 
+    >>> drive = {"kind": "canopen_drive", "options": {"node_id": 7}}
+    >>> print(advice(Config.model_validate({"actuator": drive}), "can:tcp:127.0.0.1:4000"))
+    [actuator]
+    kind = "canopen_drive"
+    options = { node_id = 7, port = "can:tcp:127.0.0.1:4000" }
     >>> bare = {"kind": "mavlink_gimbal", "options": {"role": "manager"}}
     >>> print(advice(Config.model_validate({"actuator": bare}), "udpin:127.0.0.1:14560"))
     [actuator]
@@ -192,16 +198,20 @@ def advice(config: Config, address: str) -> str:
     [[links]]
     url = "udpin:127.0.0.1:14560"
     """
-    kind = config.actuator.kind
+    kind, options = config.actuator.kind, dict(config.actuator.options)
     if kind not in ON_LINKS:
-        return f'[actuator]\nkind = "{kind}"\noptions = {{ port = "{address}" }}'
-    link = f'[[links]]\nurl = "{address}"'
+        return _table(kind, options | {"port": address})
     if kind == VEHICLE_YAW:
-        mode = ', px4_mode = "offboard"' if checked_options(config).px4_mode == "offboard" else ""
-        return f'[actuator]\nkind = "{kind}"\noptions = {{ turn_vehicle = true{mode} }}\n\n{link}\nrole = "autopilot"'
-    if checked_options(config).role == "manager":
-        return f'[actuator]\nkind = "{kind}"\noptions = {{ role = "manager" }}\n\n{link}'
-    return f'[actuator]\nkind = "{kind}"\n\n{link}\nrole = "autopilot"'
+        options |= {"turn_vehicle": True}
+    alone = kind != VEHICLE_YAW and checked_options(config).role == "manager"
+    role = "" if alone else '\nrole = "autopilot"'
+    return f'{_table(kind, options)}\n\n[[links]]\nurl = "{address}"{role}'
+
+
+def _table(kind: str, options: dict[str, Any]) -> str:
+    """Return [actuator] with these options, as TOML: numbers, words and lists of them are written as in JSON."""
+    items = ", ".join(f"{key} = {json.dumps(value)}" for key, value in options.items())
+    return f'[actuator]\nkind = "{kind}"' + (f"\noptions = {{ {items} }}" if items else "")
 
 
 MOST = 4096  # bytes of one look
