@@ -52,6 +52,7 @@ class SetPoints:
 
     def halt(self, now: float) -> None:
         """Decelerate from the last set-point."""
+        self._turning = False  # nor does it go on, where the plan is over and the device is not there
         if self.motion is None:
             return
         position, velocity = self.motion.at(now)

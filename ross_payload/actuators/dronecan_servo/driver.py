@@ -78,8 +78,8 @@ class DronecanServo(Driver):
         report, before = client.report, self._reports[-1].time if self._reports else -math.inf
         if self._measured and report.time > before:
             self._reports.append(self._believed(report))
-            if report.time - before > UNSEEN_S and self._plan.brakes_after(before):
-                self._stay(self._reports[-1].joint, now)
+            if report.time - before > UNSEEN_S:
+                self._look_again(self._reports[-1].joint, before, now)
             self._check_lag(self._reports[-1].joint, now)
         while len(self._reports) > 1 and self._reports[1].time <= now - self._options.settle_ms * 1e-3:
             self._reports.popleft()
@@ -151,25 +151,32 @@ class DronecanServo(Driver):
         """
         listened, self._read_at = min(now - self._read_at, HELD_UP_S), now
         heard = self._client.heard_at > heard_at
-        if heard and self._is_lost(heard_at) and self._plan.brakes_after(heard_at):
+        if heard and not self._measured and self._is_unled(heard_at) and self._plan.brakes_after(heard_at):
             self._lose()
         self._silence = 0.0 if heard else self._silence + listened
 
-    def _is_lost(self, heard_at: float) -> bool:
-        """Tell whether a model was moving while nothing was heard of it since ``heard_at`` [s]: nor it of us, maybe."""
+    def _is_unled(self, heard_at: float) -> bool:
+        """Tell whether it was to move, and was not heard since ``heard_at`` [s]: nor were we, maybe."""
         motion = self._plan.motion
         moved = motion is not None and motion.plan.duration > 0.0 and motion.end > heard_at
-        unheard = self._silence > (ALIVE_TIMEOUT_S if self._client.only_beats else LATE_REPORT_S)
-        return moved and unheard and not self._measured
+        return moved and self._silence > (ALIVE_TIMEOUT_S if self._client.only_beats else LATE_REPORT_S)
 
     def _lose(self) -> None:
         self._latch("the servo was to stop while nothing was heard of it: its position is uncertain; home and rearm")
         self._let_go()
 
-    def _stay(self, joint: float, now: float) -> None:
-        """Stay where a servo has come to rest that was to brake, and got no set-points."""
-        if math.isfinite(joint):
+    def _look_again(self, joint: float, before: float, now: float) -> None:
+        """Go on from where a servo has come to rest that was not heard since ``before`` [s], and got no set-points.
+
+        What was to brake stays there; a turn that is far from its plan begins again.
+        """
+        motion = self._plan.motion
+        if motion is None or motion.end <= before or not math.isfinite(joint):
+            return
+        if self._plan.brakes_after(before):
             self._plan.hold(joint, now)
+        elif abs(joint - motion.at(now)[0]) > math.radians(self._options.max_lag_deg):
+            self._plan.turn(Move(motion.plan.goal, motion.plan.speed), joint, 0.0, now)
 
     def _latch(self, fault: str) -> None:
         self._fault = self._fault or fault
@@ -188,7 +195,7 @@ class DronecanServo(Driver):
 
     def _halt(self, now: float) -> None:
         """Brake; to one that is lost no set-point is sent any more."""
-        if self._is_lost(self._client.heard_at):
+        if not self._measured and self._is_unled(self._client.heard_at):
             self._lose()
         else:
             self._plan.halt(now)
@@ -216,6 +223,8 @@ class DronecanServo(Driver):
     def write(self, now: float) -> None:
         """Send the set-point that is due."""
         motion = self._plan.motion
+        if motion is not None and now > motion.end + SET_POINT_PERIOD_S and self._is_unled(self._client.heard_at):
+            return  # the first set-point that it gets would lead it on, before it is heard
         due = None if motion is None else self._plan.due(motion, SET_POINT_PERIOD_S, now)
         if due is not None:
             self._client.command(due)

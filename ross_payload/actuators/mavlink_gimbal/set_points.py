@@ -12,6 +12,7 @@ from ross_payload.interfaces import Capabilities
 
 PAUSE_S = 0.25  # longer without the next set-point, and what follows them has come to rest at the last one [s]
 FRESH_S = 0.1  # a report that is older is no place to brake from [s]
+ASTRAY_RAD, ASTRAY_S = math.radians(2), 0.05  # farther from its plan than the lag of a gimbal [rad], [s]
 STILL_RAD_S = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
 
 
@@ -51,16 +52,22 @@ class YawSetPoints(SetPoints):
         self.catch_up(now, None if seen is None else self._there(seen, now))
 
     def look_again(self, seen: GimbalFeedback, now: float, *, believed: bool) -> None:
-        """Brake from where it is seen after a while without reports: it may have got no set-points either.
+        """Go on from where it is seen after a while without reports: it may have got no set-points either.
 
-        Then it has come to rest at the last one, and the plan has gone on. Nobody brakes from where it is not
-        ``believed`` to be.
+        Then it has come to rest at the last one, and the plan has gone on. What was to brake brakes from there; a turn
+        that is far from its plan begins again. Nobody goes on from where it is not ``believed`` to be.
         """
         if now - seen.time > FRESH_S:
             return
         before, self._seen_at = self._seen_at, seen.time
-        if believed and seen.time - before > UNSEEN_S and self.brakes_after(before):
+        motion = self.motion
+        if motion is None or not believed or seen.time - before <= UNSEEN_S or motion.end <= before:
+            return
+        angle, rate = motion.at(seen.time)
+        if not self._turning:
             self.resume(seen, None, now)
+        elif abs(angle - seen.angle) > ASTRAY_RAD + ASTRAY_S * abs(rate):
+            self.resume(seen, Move(motion.plan.goal, motion.plan.speed), now)
 
     def forget_late_brake(self, now: float) -> None:
         """Brake no more what somebody else turned, if this program was held up: they may have turned it since."""
