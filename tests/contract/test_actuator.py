@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import rigs
 from clocks import StallingClock
 from device_rig import device_rig
-from examples import in_soak, rows_in_soak
+from examples import in_soak
 from rigs import ACCELERATION, LOWER, SWING, UPPER, Rig, kinds, rig_of
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import Config
@@ -36,10 +35,6 @@ LONGEST_PAUSE = {
     "mavlink_gimbal:manager": 0.4,
     "vehicle_yaw:offboard": 0.4,
 }
-LED = ("mavlink_gimbal", "dronecan_servo", "dronecan_servo:model", "vehicle_yaw:offboard")  # by set-points
-LED_TOO = ("mavlink_gimbal:manager", "dronecan_servo:gimbal", "vehicle_yaw")
-OWN = "mavlink_gimbal" not in rigs.KINDS  # somebody's own back end is held to the contract
-WATCHDOG = 0.5  # of the guard [s]
 ROLES = {  # that run with every test; the other tests take every back end in its first role, and all roles in soak
     "test_it_reaches_every_goal_the_long_way_round_too_and_settles_there": TOLD_OTHERWISE,
     "test_stop_halts_within_the_braking_distance_and_100_ms_of_travel": TOLD_OTHERWISE,
@@ -210,101 +205,6 @@ def test_a_stop_after_the_payload_was_held_up_halts_also_while_nothing_is_heard(
     rig.wire.cut = False
     rig.clock.sleep(2.0)
     assert abs(rig.far_end.angle() - here) <= rig.speed**2 / (2 * ACCELERATION) + (0.1 + rig.late) * rig.speed + SWING
-
-
-@pytest.mark.parametrize(
-    ("stopped", "outage", "rate"),
-    [
-        (-0.05, 0.7, 0.8),
-        (0.2, 0.25, None),
-        (0.35, 0.7, None),
-        (0.3, 0.3, 0.8),  # in the moment in which it is heard again, at one of two reports
-        (0.31, 0.31, 0.8),
-        *rows_in_soak((-0.05, 0.7, None), (0.35, 0.42, None), (0.35, 3.0, None), (-0.05, 3.0, 0.8)),
-    ],
-)
-@pytest.mark.parametrize("led", [] if OWN else [*LED, *in_soak(*LED_TOO)])
-def test_a_stop_around_an_outage_of_the_wire_is_not_made_up_for_when_it_is_over(
-    led: str, stopped: float, outage: float, rate: float | None
-) -> None:
-    """What got no set-points has come to rest at the last one: the plan to brake has gone on without it."""
-    if led == "dronecan_servo:model" and outage < WATCHDOG and stopped < 0.3:
-        return  # nobody has noticed by then, and it tells no position
-    if led.startswith("dronecan_servo") and stopped == outage:
-        return  # a set-point goes out before its report comes
-    rig = rig_of(led).open()
-    rig.actuator.command(rig.upper, rate)
-    rig.clock.sleep(0.8 + min(stopped, 0.0))
-    if stopped < 0.0:
-        rig.actuator.stop()
-        rig.clock.sleep(-stopped)
-    rig.wire.severed = True
-    if stopped > 0.0:
-        rig.clock.sleep(stopped - QUANTUM)
-        before = rig.far_end.angle()
-        rig.clock.sleep(QUANTUM)
-        rig.actuator.stop()
-    if stopped != outage:
-        rig.clock.sleep(outage - max(stopped, 0.0) - QUANTUM)
-        before = rig.far_end.angle()
-        rig.clock.sleep(QUANTUM)
-    here = rig.far_end.angle()
-    speed = abs(here - before) / QUANTUM
-    rig.wire.severed = False
-    rig.clock.sleep(3.0)
-    allowed = speed**2 / (2 * ACCELERATION) + 0.1 * (speed + ACCELERATION * 0.05) + rig.late * speed + SWING
-    assert abs(rig.far_end.angle() - here) <= allowed
-    rig.actuator.__exit__(None, None, None)
-
-
-@pytest.mark.parametrize("led", [] if OWN else ["mavlink_gimbal", "dronecan_servo", "vehicle_yaw:offboard"])
-def test_a_stop_in_an_outage_in_which_the_plan_has_come_to_its_end_is_one_too(led: str) -> None:
-    rig = rig_of(led).open()
-    rig.actuator.command(0.5)
-    rig.clock.sleep(0.64)
-    rig.wire.severed = True
-    rig.clock.sleep(0.4)
-    rig.actuator.stop()
-    rig.clock.sleep(0.02)
-    here = rig.far_end.angle()
-    assert here < 0.5 - math.radians(4)
-    rig.wire.severed = False
-    rig.clock.sleep(3.0)
-    assert rig.far_end.angle() == pytest.approx(here, abs=math.radians(2))
-    rig.actuator.__exit__(None, None, None)
-
-
-@pytest.mark.parametrize("led", [] if OWN else ["mavlink_gimbal", "mavlink_gimbal:manager"])
-def test_a_gimbal_that_got_no_set_points_gets_none_before_it_is_heard_again(led: str) -> None:
-    rig = rig_of(led).open()
-    rig.actuator.command(rig.upper)
-    rig.clock.sleep(0.8)
-    rig.wire.severed = rig.wire.cut = True
-    rig.clock.sleep(3.0)
-    here = rig.far_end.angle()
-    rig.wire.severed = False
-    rig.clock.sleep(0.5)
-    assert rig.far_end.angle() == pytest.approx(here, abs=SWING)
-    rig.wire.cut = False
-    rig.clock.sleep(1.0)
-    assert rig.far_end.angle() == pytest.approx(here, abs=SWING)
-    rig.actuator.__exit__(None, None, None)
-
-
-@pytest.mark.parametrize("led", [] if OWN else [*LED, *in_soak(*LED_TOO)])
-def test_a_turn_that_an_outage_of_the_wire_has_ended_does_not_go_on_when_it_is_over(led: str) -> None:
-    rig = rig_of(led).open()
-    rig.actuator.command(rig.upper)
-    rig.clock.sleep(0.8)
-    rig.wire.severed = True
-    rig.clock.sleep(0.7)
-    assert not rig.state.healthy
-    here = rig.far_end.angle()
-    rig.wire.severed = False
-    rig.clock.sleep(3.0)
-    assert rig.far_end.angle() - here <= SWING + math.radians(2)
-    assert not rig.state.healthy
-    rig.actuator.__exit__(None, None, None)
 
 
 @pytest.mark.parametrize("pause", [0.4, *in_soak(0.15, 0.3), 1.0, *in_soak(3.0)])
