@@ -78,6 +78,7 @@ class Listening:
     aboard: float = 0.0  # the mean heading in the frame of the vehicle [rad]
     rotor_speeds: Real | None = None  # at the beginning of every hop [1/s], (n_hops, n_rotors); None: not known
     damaged: bool = False  # so much of it was clipped or missing that it does not tell how clean a voice is
+    deaf: bool = False  # so much of it a dead or saturated microphone gave that it does not tell where anybody is
     around: tuple[Samples, Samples] | None = None  # heard right before and after while the array turned, (2, m) each
 
     def speeds(self, begin: int, end: int) -> Real | None:

@@ -25,6 +25,7 @@ OTHER_END = "near a limit: turning to the other end of the axis"
 REALIGNED = "sources have moved"
 LOOKING = "looking whether anybody has moved"
 MOST_CLIPPED, MOST_MISSING = 0.1, 0.02  # of a period's hops: with more a voice is 3 dB less clean than is expected
+MOST_DEAF = 0.1  # of a period's hops: with more it tells of no direction
 MOST_BACK = 3  # times that one listening period begins again
 
 
@@ -78,7 +79,7 @@ def attend(context: Context, seconds: float) -> Step[Listening]:
     wanted, period, left = round(seconds * context.settings.rate), _Period(), MOST_BACK
     while period.samples < wanted:
         now = yield from hop(context, goal=context.holding.next_goal())
-        period.add(now)
+        period.add(now, deaf=context.hearing.deaf)
         context.holding.update(context.time, now.pointing)
         _track(context, now)
         if left and context.holding.unreachable():
@@ -91,6 +92,7 @@ def _track(context: Context, now: Input) -> None:
     """Let the tracker hear a hop, and turn a little when that is worth it; what is heard meanwhile counts."""
     if context.tracker is None:
         return
+    context.tracker.deaf = context.hearing.deaf
     event, settings = context.tracker.hear(now, context.time), context.settings
     if event is not None:
         context.publish(event)
@@ -122,14 +124,16 @@ class _Period:
     samples: int = 0
     clipped: int = 0  # hops
     missing: int = 0  # hops with samples that never came, or were no numbers
+    deaf: int = 0  # hops, as of `Hearing`
 
-    def add(self, hop: Input) -> None:
+    def add(self, hop: Input, *, deaf: bool) -> None:
         self.blocks.append(hop.block.samples)
         self.headings.append(hop.heading_start + wrap(hop.pointing.heading - hop.heading_start) / 2)
         self.last = hop.pointing.heading
         self.aboard.append(hop.pointing.heading - hop.pointing.base)
         self.speeds.append(hop.attitude.rotor_speeds)
         self.samples += hop.block.samples.shape[1]
+        self.deaf += deaf
         if hop.block.flags:
             self.clipped += AudioFlag.CLIPPED in hop.block.flags
             self.missing += bool(hop.block.flags & UNHEARD)
@@ -139,9 +143,11 @@ class _Period:
         samples = without_offset(np.concatenate(self.blocks, axis=1))
         n = len(self.blocks)
         damaged = self.clipped > MOST_CLIPPED * n or self.missing > MOST_MISSING * n
+        deaf = self.deaf > MOST_DEAF * n
         aboard, speeds = circular_mean(self.aboard), speeds_by_hop(self.speeds)
         if np.abs(difference(self.headings, self.last)).max() <= STILL:
-            return Listening(self.last, samples, aboard=aboard, rotor_speeds=speeds, damaged=damaged)
+            return Listening(self.last, samples, aboard=aboard, rotor_speeds=speeds, damaged=damaged, deaf=deaf)
         mean = circular_mean(self.headings)
         spread = float(np.abs(difference(self.headings, mean)).max())
-        return Listening(mean, samples, spread, np.array(self.headings), aboard, speeds, damaged)
+        headings = np.array(self.headings)
+        return Listening(mean, samples, spread, headings, aboard, speeds, damaged=damaged, deaf=deaf)

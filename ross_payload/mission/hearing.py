@@ -15,6 +15,8 @@ from ross_payload.interfaces import UNHEARD, AudioFlag, Samples
 SHARE = 0.25  # of a task without sound, from which it cannot tell who is there
 LATELY_S = 2.0  # without sound at its end, from which it cannot either
 PIECE_S = 0.1  # of sound, which is judged
+SATURATED = 0.03  # of the samples of a piece at full scale: from there on its phases tell of no direction
+CLOSE = 2.0**-14  # to the loudest sample: as loud; 16 bits end at 1 - 2**-15
 SOFT = 2.0**-31  # power that 16 bits may not resolve: of sound no louder than it one microphone may give zeros alone
 
 
@@ -47,9 +49,11 @@ class Hearing:
     missing: _Without = field(default_factory=_Without)
     quiet: int = 0  # samples of them that are zeros without a flag, since the last sound
     dead: tuple[_Without, _Without] = field(default_factory=lambda: (_Without(), _Without()))
+    deaf: bool = False  # in the latest piece one was dead or saturated, or nothing came: it tells of no direction
     _piece: list[Samples] = field(default_factory=list)  # the next one
     _length: int = 0  # of it [samples]
     _gone: int = 0  # samples of it that never came
+    _clipped: bool = False  # some of it was at full scale
 
     def add(self, samples: Samples, rate: int, flags: AudioFlag = AudioFlag.NONE) -> None:
         """Take a hop (2, n); zeros stand for samples that never came.
@@ -61,11 +65,16 @@ class Hearing:
         self._length += n
         if flags and flags & UNHEARD and not samples.any():
             self._gone += n
+        if flags and flags & AudioFlag.CLIPPED:
+            self._clipped = True
         if self._length >= PIECE_S * rate:
             self.rate = rate
-            self._judge(np.concatenate(self._piece, axis=1), self._gone)
+            piece = np.concatenate(self._piece, axis=1)
+            self._judge(piece, self._gone)
+            lately = self._gone == piece.shape[1] or any(dead.lately for dead in self.dead)
+            self.deaf = lately or (self._clipped and saturated(piece))
             self._piece.clear()
-            self._length = self._gone = 0
+            self._length, self._gone, self._clipped = 0, 0, False
 
     def _judge(self, piece: Samples, gone: int) -> None:
         n, sound = piece.shape[1], bool(piece.any())
@@ -96,6 +105,18 @@ class Hearing:
             if without.lately >= LATELY_S * self.rate:
                 return f"{what} for the last {without.lately / self.rate:.0f} s"
         return ""
+
+
+def saturated(piece: Samples) -> bool:
+    """Whether too many samples of a microphone are at full scale in a piece (2, n) that has clipped.
+
+    >>> tone = np.sin(np.arange(1600) / 5)
+    >>> [saturated(np.clip(gain * np.stack([tone, 0.1 * tone]), -1, 1)) for gain in (1.001, 2.0)]
+    [False, True]
+    """
+    size = np.abs(piece)
+    full = (1 - CLOSE) * size.max(axis=1, keepdims=True)
+    return bool(np.any(np.mean(size >= full, axis=1) > SATURATED))
 
 
 @lru_cache(maxsize=4)

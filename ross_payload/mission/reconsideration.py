@@ -30,7 +30,7 @@ EVERY = 10.0  # [s] between two times that the explorer is asked, at least; then
 
 def keep(context: Context, listening: Listening) -> None:
     """Let the explorer hear a listening period after the exploration, each T_unit at rest as one observation."""
-    if context.tools.reconsidering is None or not context.observations or _moved(context):
+    if context.tools.reconsidering is None or not context.observations or _moved(context) or listening.deaf:
         return
     for take in takes(listening, round(context.settings.unit * context.settings.rate)):
         seen = observe(context, take)

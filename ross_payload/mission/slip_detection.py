@@ -38,7 +38,7 @@ def survey(context: Context) -> Step[tuple[Estimate, int | None]]:
 
 def suspicion(context: Context, estimate: Estimate, listening: Listening) -> str:
     """Say when all sources seem to have turned together while nobody told the array to; empty when they do not."""
-    if estimate.k < FEWEST:
+    if estimate.k < FEWEST or listening.deaf:
         return ""
     settings = context.settings
     angle, gain = common_turn(observe(context, listening), estimate, settings.spacing, settings.speed_of_sound)

@@ -2,7 +2,8 @@
 
 Nothing of this waits for a separation. A track *acts* only when its source has left its place for sure and somebody
 else has not: until then azimuths are those of the exploration, which are sharper; and when everybody has moved alike it
-is the array that has slipped.
+is the array that has slipped. What a dead or saturated microphone gives tells nothing of anybody, and is no reason to
+turn.
 """
 
 from __future__ import annotations
@@ -71,18 +72,20 @@ class SourceTracker:
     tracks: Tracks = field(init=False)
     moved: list[bool] = field(init=False)  # whose track acts
     stirred: bool = False  # somebody has moved, whoever it is
+    deaf: bool = False  # what is heard next tells of no direction, as of `Hearing`
     turned: float = -np.inf  # end of the latest turn [s]
     places: list[tuple[float, Real]] = field(default_factory=list)  # time [s] and azimuths that act [rad]
     _streak: list[int] = field(init=False)
     _stir: int = 0
     _samples: Samples = field(init=False)  # not forgotten yet, (2, n)
     _blocks: list[Samples] = field(default_factory=list)  # heard since
-    _ends: list[tuple[int, float]] = field(default_factory=list)  # sample, and heading there [rad]
+    _ends: list[tuple[int, float, bool]] = field(default_factory=list)  # sample, heading there [rad], and `deaf`
     _first: int = 0  # index of the first sample that is kept, since tracking began
     _frames: int = 0  # told
     _planned: int = -1  # of them, when a turn was last considered
     _began: float = 0.0  # to hear [s]
     _said: float = 0.0
+    _deaf_until: float = -np.inf  # [s]
 
     def __post_init__(self) -> None:
         """Begin where the exploration has found the sources."""
@@ -102,8 +105,8 @@ class SourceTracker:
 
     @property
     def lost(self) -> bool:
-        """Whether it is not known any more where the source is that is listened to."""
-        return self.acts and bool(self.tracks.held[self.source] < LOST)
+        """Whether it is not known any more where the source is that is listened to, though it could be heard."""
+        return self.acts and not self.deaf and bool(self.tracks.held[self.source] < LOST)
 
     @property
     def azimuths(self) -> Real:
@@ -134,15 +137,16 @@ class SourceTracker:
         """Hear one hop that ends at a mission time [s]; return what there is to say now and then."""
         block = hop.block.samples
         if not self._ends:
-            self._ends.append((0, hop.heading_start))
+            self._ends.append((0, hop.heading_start, self.deaf))
             self._began = self._said = time
-        last, heading = self._ends[-1]
-        self._ends.append((last + block.shape[1], heading + wrap(hop.pointing.heading - heading)))
+        last, heading, _ = self._ends[-1]
+        self._ends.append((last + block.shape[1], heading + wrap(hop.pointing.heading - heading), self.deaf))
         self._blocks.append(block)
         if not self._due(last + block.shape[1]):
             return None
         self._update(last + block.shape[1])
-        self.corrected(time)
+        if not self.deaf:
+            self.corrected(time)
         self.places.append((time, self.azimuths))
         if time - self._said < SAY - UPDATE / 2:
             return None
@@ -163,11 +167,12 @@ class SourceTracker:
         middles = (np.arange(self._frames - before, ready) + 0.5) * self.stft.hop + (
             self.stft.frame - self.stft.hop
         ) / 2
-        ends, headings = np.array(self._ends).T
+        ends, headings, deaf = np.array(self._ends).T
         at = np.interp(middles, ends, headings)
         span = self.stft.frame / 2
         swept = np.interp(middles + span, ends, headings) - np.interp(middles - span, ends, headings)
         still = np.abs(swept) * self.stft.rate / self.stft.frame <= TURNING
+        still &= np.interp(middles, ends, deaf) == 0
         found = statistics(
             spectrogram,
             self.stft.frequencies,
@@ -247,11 +252,13 @@ class SourceTracker:
         """Return the heading [rad] to turn to now, None to stay.
 
         Where it is worth clearly more than the present one, at most 30 degrees away, within the limits of the joint
-        [rad]; not before somebody has moved, or may have unseen, and not soon after another turn.
+        [rad]; not before somebody has moved, or may have unseen, not soon after another turn, nor while it is deaf.
         """
         if not settled:
             self.turned = time
-        if time - self.turned < DWELL or self._planned == self._frames:
+        if self.deaf:
+            self._deaf_until = time
+        if time - max(self.turned, self._deaf_until) < DWELL or self._planned == self._frames:
             return None
         self._planned = self._frames  # nothing new is known before the next correction
         if not (self.anybody or self._looks(time)):
@@ -269,7 +276,7 @@ class SourceTracker:
 
     def _looks(self, time: float) -> bool:
         """Whether to look if anybody has moved unseen: the more seldom the longer all rest."""
-        waited, rested = time - max(self.turned, self._began), self.rested + time - self._began
+        waited, rested = time - max(self.turned, self._began, self._deaf_until), self.rested + time - self._began
         return waited >= AGAIN * rested and bool(self.tracks.spreads.max(initial=0.0) > UNSEEN)
 
     def azimuths_at(self, times: Sequence[float] | Real) -> Real:

@@ -126,3 +126,51 @@ def test_hum_and_wind_at_one_microphone_do_not_kill_the_other():
     for hop in np.split(noise.astype(np.float32), 300, axis=1):
         hearing.add(hop, rate)
     assert hearing.fault() == ""
+
+
+def heard_of_late(samples, flag=AudioFlag.NONE, seconds=1.0):
+    hearing = Hearing()
+    for hop in np.split(samples[:, : round(seconds * 16000)].astype(np.float32), round(100 * seconds), axis=1):
+        hearing.add(hop, 16000, flag)
+    return hearing.deaf
+
+
+def talk():
+    generator = np.random.default_rng(6)
+    return 0.1 * generator.standard_normal((2, 16000)) * np.sin(np.arange(16000) / 600)
+
+
+@pytest.mark.parametrize(
+    ("factors", "flag"),
+    [
+        ((0, 1), AudioFlag.NONE),
+        ((1, 0), AudioFlag.NONE),
+        ((1, 1e-2), AudioFlag.NONE),
+        ((20, 20), AudioFlag.CLIPPED),
+        ((1, 50), AudioFlag.CLIPPED),
+        ((0, 0), AudioFlag.MISSING),
+    ],
+)
+def test_sound_of_which_a_microphone_gave_another_tells_of_no_direction(factors, flag):
+    assert heard_of_late(np.clip(np.array(factors)[:, None] * talk(), -1, 1), flag)
+
+
+def test_a_channel_that_stays_at_full_scale_tells_of_no_direction():
+    stuck = talk()
+    stuck[0] = 1 - 2**-23
+    assert heard_of_late(stuck, AudioFlag.CLIPPED)
+
+
+@pytest.mark.parametrize(
+    ("factors", "flag"),
+    [((1, 0.3), AudioFlag.NONE), ((4, 4), AudioFlag.CLIPPED), ((1e-5, 1e-5), AudioFlag.NONE), ((0, 0), AudioFlag.NONE)],
+)
+def test_a_few_peaks_at_full_scale_a_soft_sound_and_a_noise_gate_are_heard(factors, flag):
+    assert not heard_of_late(np.clip(np.array(factors)[:, None] * talk(), -1, 1), flag)
+
+
+def test_a_microphone_that_works_again_is_heard_again():
+    sound = talk()
+    sound[1, :8000] = 0
+    assert heard_of_late(sound, seconds=0.5)
+    assert not heard_of_late(sound)

@@ -7,6 +7,7 @@ import pytest
 
 import mission_bench as base
 from ross_payload.angles import wrap
+from ross_payload.dsp.stft import Stft
 from ross_payload.events import (
     Checked,
     Estimate,
@@ -17,11 +18,14 @@ from ross_payload.events import (
     SourceEstimate,
     SourcesEstimated,
     SourcesReconsidered,
+    State,
+    StateChanged,
     TurnStarted,
 )
 from ross_payload.interfaces import Score, VoicePrint
-from ross_payload.mission.context import Listening
-from ross_payload.mission.reconsideration import DROPPED, MOST, doubtful, reassessed, takes
+from ross_payload.mission.context import Context, Listening
+from ross_payload.mission.reconsideration import DROPPED, MOST, doubtful, keep, reassessed, takes
+from ross_payload.mission.settings import Tools
 
 AZIMUTHS = base.ThreeTalkers.azimuths
 
@@ -89,6 +93,34 @@ def test_a_source_that_is_most_probably_nobody_is_dropped_and_the_others_stay():
     last = one.said(SourcesEstimated)[-1]
     assert (azimuths(last.estimate), last.final) == (list(AZIMUTHS[:2]), True)
     assert len(one.said(Separated)[-1].groups) == 2
+
+
+def with_a_dead_microphone(again, *states):
+    """A mission in which microphone 2 gives nothing in some states."""
+
+    def on_hop(bench, heard):
+        now = next((each.state for each in reversed(bench.said(StateChanged))), None)
+        factors = np.array([[1], [0 if now in states else 1]], np.float32)
+        return replace(heard, block=replace(heard.block, samples=heard.block.samples * factors))
+
+    one = base.rig(again=again, likes=1)
+    return one, one.run(on_hop)
+
+
+def test_nobody_is_dropped_by_what_a_dead_microphone_gave():
+    one, result = with_a_dead_microphone(Again(sure=(97, 98, 10)), State.CHECK, State.RUN)
+    assert result.outcome is Outcome.TARGET_FOUND
+    assert one.said(SourcesReconsidered) == []
+    assert len(one.said(Separated)[-1].groups) == 3
+
+
+@pytest.mark.parametrize("deaf", [False, True])
+def test_what_a_dead_microphone_gave_is_not_kept_for_the_explorer(deaf):
+    explorer, stft = Again(), Stft(base.RATE, 512, 128)
+    tools = Tools(explorer, stft, base.OneGroupEach(), stft, base.Likes(1), reconsidering=explorer)
+    context = Context(base.SETTINGS, tools, observations=[explorer.observe(None, None, 0.0, None)])
+    keep(context, Listening(0.0, np.full((2, base.RATE), 0.1, np.float32), deaf=deaf))
+    assert len(context.heard_since) == (0 if deaf else 1)
 
 
 def test_a_source_that_no_explanation_of_as_many_holds_any_more_is_dropped():

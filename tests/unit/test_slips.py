@@ -207,6 +207,7 @@ def test_a_suspicion_needs_a_turn_that_is_large_and_likely(now, suspicious):
     turn, gain = common_turn(Hears().observe(), estimate(40, 155, -80), 0.05, 343.0)
     assert (gain > 2) or (abs(turn) > math.radians(3))  # one of both would do
     assert bool(suspicion(context, estimate(40, 155, -80), silence)) is suspicious
+    assert not suspicion(context, estimate(40, 155, -80), replace(silence, deaf=True)), "a microphone was dead"
 
 
 @dataclass

@@ -22,10 +22,10 @@ from ross_payload.events import (
     StateChanged,
     TurnStarted,
 )
-from ross_payload.interfaces import Attitude, AudioBlock, Clip, Groups, Input
+from ross_payload.interfaces import Attitude, AudioBlock, AudioFlag, Clip, Groups, Input
 from ross_payload.localization import tracking
 from ross_payload.mission.context import Context, Listening
-from ross_payload.mission.heading_hold import LOOKING, REALIGNED
+from ross_payload.mission.heading_hold import LOOKING, REALIGNED, attend
 from ross_payload.mission.mission_sequence import mission
 from ross_payload.mission.moving_sources import recognise_moving
 from ross_payload.mission.settings import Tools
@@ -185,6 +185,51 @@ def test_a_small_turn_is_made_while_it_listens_and_the_period_goes_on():
     assert "pieces" in period.why
     assert len(one.said(SourcesTracked)) == 3
     assert one.joint == pytest.approx(turn.joint)
+
+
+def attended(samples, told):
+    """What a mission says that listens to the first source at 0.9 rad for as long as there are samples."""
+    settings = replace(SETTINGS, rate=FS, spacing=SPACING, speed_of_sound=SPEED, track=True)
+    stft = Stft(FS, 512, 128)
+    context = Context(settings, Tools(ThreeTalkers(), stft, OneGroupEach(), stft, Likes(1)))
+    context.lead_in = (0.05e-4 * np.random.default_rng(9).standard_normal((2, FS))).astype(np.float32)
+    pointing = Pointing(joint=0.9)
+    context.last = Input(AudioBlock(samples[:, :0], 0, 0.0), 0.9, pointing, True, Attitude(0.0))
+    context.track(told, 0)
+    step, said = attend(context, samples.shape[1] / FS), []
+    output = next(step)
+    for first in range(0, samples.shape[1], HOP):
+        said += output.events
+        block = samples[:, first : first + HOP]
+        flags = AudioFlag.CLIPPED if np.abs(block).max() >= 1 - 2**-15 else AudioFlag.NONE
+        hop = Input(AudioBlock(block, first, first / FS, flags=flags), 0.9, pointing, True, Attitude(0.0))
+        try:
+            output = step.send(hop)
+        except StopIteration as end:
+            return said, end.value
+    raise AssertionError("it goes on listening")
+
+
+@pytest.mark.parametrize(("microphone", "noise", "offset"), [(0, 0, 0), (1, 0, 0), (0, 3e-5, 0), (1, 0, 1)])
+def test_a_microphone_that_dies_is_no_reason_to_turn(microphone, noise, offset):
+    samples = noises([lambda _, a=a: a for a in (-60.0, 30.0, 120.0)], 14.0, 0.9)
+    samples[microphone, 4 * FS :] = offset + noise * np.random.default_rng(1).standard_normal(10 * FS)
+    said, listening = attended(samples, estimate(-60, 30, 120))
+    assert [event.reason for event in said if isinstance(event, TurnStarted)] == []
+    assert listening.deaf
+    assert any(isinstance(event, SourcesTracked) and event.time > 13 for event in said), "telemetry goes on"
+
+
+def test_who_walks_while_a_microphone_is_dead_is_found_when_it_works_again():
+    def walks(time):
+        return 100.0 + 8.0 * min(max(time - 2.0, 0.0), 4.0)
+
+    samples = noises([lambda _: -60.0, walks], 11.0, 0.9)
+    samples[1, 2 * FS : 6 * FS] = 0
+    said, _ = attended(samples, estimate(-60, 100))
+    last = next(event for event in reversed(said) if isinstance(event, SourcesTracked))
+    assert math.degrees(last.estimate.sources[1].azimuth) == pytest.approx(132, abs=6)
+    assert last.estimate.sources[0].azimuth == pytest.approx(math.radians(-60))
 
 
 def test_a_look_is_not_said_to_be_a_move():
