@@ -107,7 +107,7 @@ class GapFiller:
             self._zeros(replaced)
             self._leave_out(refused - given - replaced)
         if piece.arrived > self._expected_until:
-            self._guessed = 0
+            self._guessed = min(self._guessed, self._owed)  # what nothing has come instead of yet may still come
         self._hold(piece, self._clock)
         in_time = self._earliest < (LATE_S if len(self._held) == 1 else CAUGHT_UP_S)
         patient = (

@@ -156,6 +156,18 @@ def test_what_comes_too_fast_long_after_a_gap_is_told(moments, caplog):
     assert sum("faster than audio.rate_hz = 16000" in record.message for record in caplog.records) == 1
 
 
+def test_what_a_card_has_kept_while_nobody_looked_for_long_is_not_too_fast(listen, make_card, moments, caplog):
+    card = make_card()
+    with listen(card, buffer=60.0) as source:
+        begin = moments.now() + 3
+        card.blocked = (begin, begin + 37, True)
+        read(source, 3.8)
+        moments.sleep(40)
+        read(source, 60)
+    assert source.status().lost / RATE == pytest.approx(0.3, abs=0.1), "zeros until nobody looked"
+    assert "faster than" not in caplog.text
+
+
 class Flood:
     """Gives a second of sound, then a minute of it every tenth of a second: more than there is room for."""
 
