@@ -22,10 +22,12 @@ from ross_payload.listening.scene_tracker import SceneTracker
 from ross_payload.listening.sink_runner import SinkRunner
 from ross_payload.listening.stream import Portion, Stream, StreamSettings, resting
 from ross_payload.listening.voice_separation import VoiceSeparation
+from ross_payload.mission.hearing import Hearing
 from ross_payload.pointing import Pointing
 from ross_payload.streams import LISTENER_TIMEOUT_S, StreamStatus, What
 
 STATUS_S = 0.1  # between two times that the streams are told
+DEAD_S = 1.0  # for which a microphone has been dead, from which no voice can be separated
 
 OpenRunner = Callable[[StreamSettings], SinkRunner]
 log = logging.getLogger(__name__)
@@ -57,6 +59,7 @@ class ListeningStage:
         self._clock = clock
         self._tracker = SceneTracker(config.array)
         self._offset_filter = OffsetFilter(self._rate, 2)
+        self._hearing = Hearing(self._rate)
         self._wanted: dict[int, StreamSettings] = {}
         self._streams: dict[int, Stream] = {}
         self._leaving: list[SinkRunner] = []
@@ -119,6 +122,7 @@ class ListeningStage:
         complete = not block.flags & AudioFlag.MISSING
         take = self._offset_filter.push if complete else self._offset_filter.push_incomplete
         samples = take(block.samples)
+        self._hearing.add(block.samples, self._rate, block.flags)
         if not self._streams:
             self._next = -1
             return
@@ -183,8 +187,9 @@ class ListeningStage:
         groups, why = None, ""
         if any(stream.settings.selection.what is not What.MIXTURE for stream in self._streams.values()):
             placement = self._tracker.placement(pointing.heading, earth=pointing.earth, settled=settled)
-            groups = self._separation.step(frame, placement)
-            why = self._tracker.why or self._separation.fault
+            dead = self._hearing.dead_for(DEAD_S)
+            groups = self._separation.step(frame, None if dead else placement)
+            why = self._tracker.why or self._separation.fault or (f"microphone {dead} is dead" if dead else "")
         else:
             self._separation.reset()
         self._mixed(frame, groups, why)

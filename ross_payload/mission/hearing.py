@@ -93,6 +93,11 @@ class Hearing:
             dead = power[microphone] * 10 ** (DEAD_DB / 10) < power[other] and power[other] > soft
             self.dead[microphone].add(n, sound=not dead)
 
+    def dead_for(self, seconds: float) -> int | None:
+        """Return which microphone, 1 or 2, has been dead for so long [s] until now; None: neither."""
+        lately = (number for number, dead in enumerate(self.dead, start=1) if dead.lately >= seconds * self.rate)
+        return next(lately, None)
+
     def fault(self) -> str:
         """Return why nobody would have been heard, in words; empty when there is no reason."""
         kinds = (

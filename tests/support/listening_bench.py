@@ -122,6 +122,7 @@ class Bench:
         self.stage.want(self.wanted)
         self.index = 0
         self.heading = 0.0
+        self.gains = np.ones((2, 1), np.float32)  # of the microphones
 
     def _open(self, settings):
         self.kept[settings.number] = Kept(settings)
@@ -135,7 +136,7 @@ class Bench:
         for _ in range(round(seconds * RATE / HOP)):
             index = np.arange(self.index, self.index + HOP)
             one = self.sound(index).astype(np.float32)
-            block = AudioBlock(np.stack([one, one]), self.index, 5.0 + self.index / RATE)
+            block = AudioBlock(self.gains * np.stack([one, one]), self.index, 5.0 + self.index / RATE)
             self.index += HOP
             self.stage.hear(block, Pointing(joint=self.heading), settled=settled)
 

@@ -149,6 +149,24 @@ def test_where_no_voice_can_be_separated_there_is_the_mixture_or_silence(otherwi
     assert (status.separated, status.source, status.detail) == (False, None, detail)
 
 
+@pytest.mark.parametrize(("otherwise", "factor"), [("mixture", 1), ("silence", 0)])
+def test_where_a_microphone_is_dead_no_voice_is_said_to_be_separated(otherwise, factor):
+    bench = Bench({0: source(0)}, otherwise=otherwise, sound=noise)
+    bench.know()
+    bench.hear(0.5)
+    bench.gains = np.array([[1], [0]], np.float32)
+    bench.hear(0.5)
+    assert bench.status(0).separated, "a knock is no death"
+    bench.hear(1.0)
+    assert bench.factor(0) == factor
+    status = bench.status(0)
+    assert (status.separated, status.detail) == (False, "microphone 2 is dead")
+    bench.gains = np.ones((2, 1), np.float32)
+    bench.hear(0.5)
+    status = bench.status(0)
+    assert (bench.factor(0), status.separated, status.detail) == (2, True, "")
+
+
 def test_nobody_known_nobody_there_and_no_such_source_are_told():
     bench = Bench({0: source(3), 1: azimuth(110), 2: TARGET})
     bench.hear(0.3)
