@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
-from dataclasses import dataclass
+from collections import OrderedDict, deque
+from dataclasses import dataclass, field
 
 from ross_payload.mavlink.component import Way
 from ross_payload.orders import Order, Task
@@ -21,7 +21,9 @@ RESTARTED_AFTER_S = (
     0.5  # [s] without a later frame, after which the number 0 is the first of a sender that has restarted
 )
 LOWER = 3.0  # [s] without a later frame, after which any lower number is one of such a sender
-MOST_PAST = 4  # commands before the latest one of a number that are remembered
+MOST_PAST = 4  # commands before the latest one of a number that are remembered, and frames of each
+MOST_CANCELS = 32  # that are remembered
+MOST_BEHIND = 32  # frames by which one is late at most; by more, another sender counts, or this one anew
 MOST = 256  # commands, and senders, that are remembered: random ids cannot fill the memory
 
 
@@ -49,8 +51,13 @@ class Origin:
         A router or a client that knows two ways to us sends it on both. A station that counts what it sends on each by
         itself seldom says the same with the same number within so short a time.
         """
+        return self.way[0] != other.way[0] and self.is_like(other)
+
+    def is_like(self, other: Origin) -> bool:
+        """Tell whether this frame has the number of another one of its sender that came a moment before."""
         alike = self.sequence is not None and (self.sender, self.sequence) == (other.sender, other.sequence)
-        return alike and self.way[0] != other.way[0] and self.time - other.time < COPIED
+        anew = self.way == other.way and self.place != other.place
+        return alike and not anew and self.time - other.time < COPIED
 
 
 class FrameCounter:
@@ -115,7 +122,18 @@ class Entry:
     kept: Entry | None = None  # the one before, until this one is accepted: what is refused takes nobody's place
     silent: bool = False  # what is said of it would look like an answer to one that waits to replace it
     lost: int | None = None  # frames of its sender that were lost on its way until it ended
-    past: tuple[tuple[Command, float, Origin], ...] = ()  # those before it, when they were heard, or ended, last [s]
+    earlier: tuple[Origin, ...] = ()  # of its frames before the latest one
+    past: tuple[tuple[Command, float, tuple[Origin, ...]], ...] = ()  # those before it: when heard, or ended, last [s]
+    first: Origin = field(init=False)  # of its first frame
+
+    def __post_init__(self) -> None:
+        """Note where its first frame came from."""
+        self.first = self.origin
+
+    @property
+    def origins(self) -> tuple[Origin, ...]:
+        """Of its latest frames."""
+        return (*self.earlier, self.origin)
 
     @property
     def current(self) -> Entry:
@@ -148,7 +166,7 @@ class RecentCommands:
         key = entry.origin.sender, entry.command.number
         before = self._entries.pop(key, None)
         if before is not None:
-            entry.past = (*before.past, (before.command, before.time, before.origin))[-MOST_PAST:]
+            entry.past = (*before.past, (before.command, before.time, before.origins))[-MOST_PAST:]
         self._entries[key] = entry
         if len(self._entries) > MOST:
             self._entries.popitem(last=False)
@@ -166,6 +184,7 @@ class RecentCommands:
             if _is_late(entry, command, origin, now):
                 return entry
             if self._again(entry, command, origin, now):
+                entry.earlier = entry.origins[-MOST_PAST:]
                 entry.time, entry.command, entry.origin, entry.lost = now, command, origin, None
                 return entry
         return None
@@ -203,17 +222,57 @@ class RecentCommands:
         return age < (min(doubted, RESENT) if lost >= command.confirmation else RESENT)
 
 
+class RecentCancels:
+    """The latest COMMAND_CANCEL, to know what was ordered after one that comes twice or late.
+
+    A cancel that is not obeyed leaves in motion what somebody wants to end, so a place in the count of a sender is not
+    enough: two stations behind one router count by themselves, a script that runs again counts from 0, and some send
+    the same number always. It has to be a frame that was here before, or one that is late by no more than a moment.
+    """
+
+    def __init__(self) -> None:
+        self._first: deque[tuple[int, Origin]] = deque(maxlen=MOST_CANCELS)
+
+    def note(self, number: int, origin: Origin) -> Origin | None:
+        """Remember a cancel of commands of a number; return where it came from at first, None: it is new."""
+        known = (first for other, first in self._first if other == number and origin.is_like(first))
+        first = next(known, None)
+        if first is None:
+            self._first.append((number, origin))
+        return first
+
+
+def is_before(origin: Origin, first: Origin | None, entry: Entry) -> bool:
+    """Tell whether a cancel was sent before a command; ``first`` is where its frame came from when it came before."""
+    ordered = entry.first
+    if origin.sender == ordered.sender and origin.sequence == ordered.sequence:
+        return False  # its sender does not count
+    if origin.way == ordered.way and origin.sender == ordered.sender:
+        return origin.place < ordered.place and (first is not None or _was_before(origin, ordered))
+    return first is not None and _was_before(first, ordered)
+
+
+def _was_before(origin: Origin, ordered: Origin) -> bool:
+    """Tell whether a frame has come before another one, or should have."""
+    later = origin.time - ordered.time
+    if origin.way != ordered.way or origin.sender != ordered.sender:
+        return later < 0
+    behind = ordered.place - origin.place
+    return behind > 0 and (later < 0 or (later < ON_THE_WAY and behind <= MOST_BEHIND))
+
+
 def _not_after(entry: Entry, origin: Origin, now: float) -> bool:
     return now - entry.time < LATE and origin.not_after(entry.origin)
 
 
 def _is_late(entry: Entry, command: Command, origin: Origin, now: float) -> bool:
     """Tell whether a frame that arrives now was sent before a command of its number, or is that one."""
+    sent = [(entry.command, entry.origins), *((other, origins) for other, _, origins in entry.past)]
+    if any(alike(other, command) and any(map(origin.is_copy, origins)) for other, origins in sent):
+        return True
     if origin.way != entry.origin.way:
         past = any(alike(other, command) and now - time < RESENT for other, time, _ in entry.past)
-        sent = [(entry.command, entry.origin), *((other, whence) for other, _, whence in entry.past)]
-        copied = any(alike(other, command) and origin.is_copy(whence) for other, whence in sent)
-        return copied or (past and command.confirmation > 0)
+        return past and command.confirmation > 0
     if not _not_after(entry, origin, now):
         return False
     return command.confirmation <= entry.command.confirmation or not alike(entry.command, command)

@@ -19,7 +19,15 @@ from typing import Protocol
 
 from ross_payload.errors import ConfigError
 from ross_payload.events import Answer, Answered, Event
-from ross_payload.mavlink.command_dedup import RESENT, Entry, FrameCounter, Origin, RecentCommands
+from ross_payload.mavlink.command_dedup import (
+    RESENT,
+    Entry,
+    FrameCounter,
+    Origin,
+    RecentCancels,
+    RecentCommands,
+    is_before,
+)
 from ross_payload.mavlink.command_gate import CommandGate
 from ross_payload.mavlink.command_parser import INFORM, READERS, STOP, Record, asked, name_of
 from ross_payload.mavlink.command_server import ACCEPTED, SENDERS, CommandServer, Handler, Verdict
@@ -105,7 +113,7 @@ class MissionCommands:
         self._gate = CommandGate()
         self._frames = FrameCounter()
         self._origin: Origin | None = None  # of the packet that is being taken
-        self._cancelled: Origin | None = None  # of the latest COMMAND_CANCEL
+        self._cancels = RecentCancels()
         self._recent = RecentCommands()
         self._open: dict[int, Entry] = {}  # what the mission has, by the number of the order
         self._numbers = count(1)
@@ -257,21 +265,20 @@ class MissionCommands:
     def _cancel(self, request: CancelRequest, received: Received) -> None:
         """End a task in progress, whoever commanded it; one that has just ended is answered again.
 
-        What its sender has ordered since is none that it means: the network has doubled or delayed it, or a router has
-        sent it on another link, too.
+        What was ordered since is none that it means, where the network has doubled or delayed it, or a router has sent
+        it on another link, too.
         """
         if not received.may_order:
             if received.refusal and self._texts.spend(self._now):
                 self._send_text(Severity.WARNING, f"cancel refused: {received.refusal}")
             return
-        before, self._cancelled = self._cancelled, self._origin
-        if self._origin is not None and before is not None and self._origin.is_copy(before):
+        origin = self._origin
+        if origin is None:
             return
+        first = self._cancels.note(request.number, origin)
         going_on = [e for e in self._open.values() if e.command.number == request.number and isinstance(e.order, Task)]
         for entry in going_on:
-            if self._origin is not None and self._origin.not_after(entry.origin):
-                continue
-            if not entry.cancelled and not entry.silent:
+            if not (entry.cancelled or entry.silent or is_before(origin, first, entry)):
                 entry.cancelled = True
                 self._order(Cancel())
         sender = received.packet.sender

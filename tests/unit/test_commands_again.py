@@ -100,6 +100,44 @@ def test_a_cancel_that_comes_late_does_not_end_the_task_that_its_sender_has_orde
     assert [type(order) for order in payload.given] == [TurnTo, Cancel, TurnTo]
 
 
+@pytest.mark.parametrize("ahead", [50, 100])
+def test_a_cancel_ends_what_a_station_with_the_same_ids_has_ordered_through_the_same_router(payload, ahead):
+    """Each counts by itself: the frames of the one behind look like late ones of the other."""
+    other = type(payload.ground)(payload.ground.air)
+    other.mavlink.seq = ahead
+    for _ in range(3):
+        payload.ground.long(RECORD, 1)
+        other.long(RECORD, 1)
+        payload.wait(1.0)
+    other.long(TURN, 170)
+    payload.wait(0.6)
+    payload.ground.send(cancel_message(TURN, ComponentId(1, 191)))
+    payload.wait(0.3)
+    assert [type(order) for order in payload.given] == [TurnTo, Cancel]
+
+
+@pytest.mark.parametrize("sequence", [0, 7])
+def test_a_cancel_of_a_sender_that_does_not_count_is_obeyed(payload, sequence):
+    payload.ground.mavlink.seq = sequence
+    payload.ground.long(TURN, 170)
+    payload.wait(0.3)
+    payload.ground.mavlink.seq = sequence
+    payload.ground.send(cancel_message(TURN, ComponentId(1, 191)))
+    payload.wait(0.3)
+    assert [type(order) for order in payload.given] == [TurnTo, Cancel]
+
+
+@pytest.mark.parametrize("seconds", [0.2, 2.0])
+def test_a_script_that_begins_anew_can_cancel_at_once(payload, seconds):
+    payload.ground.mavlink.seq = 100
+    payload.command(TURN, 170, seconds=seconds)
+    again = type(payload.ground)(payload.ground.air)
+    again.mavlink.seq = 1  # the first frame was lost
+    again.send(cancel_message(TURN, ComponentId(1, 191)))
+    payload.wait(0.2)
+    assert [type(order) for order in payload.given] == [TurnTo, Cancel]
+
+
 def test_a_script_that_is_run_again_is_obeyed_again(payload):
     """Every run of a script counts its frames from 0."""
     for number in (REARM, STOP, REARM, TURN):
@@ -170,6 +208,70 @@ def test_a_cancel_that_comes_on_a_slower_link_too_does_not_end_the_next_task(two
     radio.air.up.append(frame)
     assert payload.results(TURN, 3.0)[-1] == ACCEPTED
     assert [type(order) for order in payload.given] == [TurnTo, Cancel, TurnTo]
+
+
+@pytest.mark.parametrize("system_id", [255, 254], ids=["said again", "of another station"])
+def test_of_two_cancels_that_come_on_a_slower_link_too_none_ends_the_next_task(two_links, system_id):
+    payload, radio = two_links
+    payload.command(TURN, 60, seconds=0.2)
+    payload.ground.send(cancel_message(TURN, ComponentId(1, 191)))
+    frame = payload.ground.air.up[-1]
+    payload.wait(0.1)
+    again = payload.ground if system_id == 255 else type(payload.ground)(payload.ground.air, system_id=254)
+    again.send(cancel_message(TURN, ComponentId(1, 191)))
+    payload.wait(0.1)
+    payload.command(TURN, -60, seconds=0.2)
+    radio.air.up.append(frame)
+    assert payload.results(TURN, 3.0)[-1] == ACCEPTED
+    assert [type(order) for order in payload.given] == [TurnTo, Cancel, TurnTo]
+
+
+def test_a_cancel_that_came_first_on_the_link_that_lost_the_turn_ends_it_on_the_slower_one(two_links):
+    payload, radio = two_links
+    payload.ground.long(TURN, 170)
+    turn = payload.ground.air.up.pop()
+    payload.wait(0.3)
+    payload.ground.send(cancel_message(TURN, ComponentId(1, 191)))
+    cancel = payload.ground.air.up[-1]
+    payload.wait(0.1)
+    for frame in (turn, cancel):
+        radio.air.up.append(frame)
+        payload.wait(0.2)
+    assert [type(order) for order in payload.given] == [TurnTo, Cancel]
+
+
+def test_an_arming_that_was_said_again_before_it_comes_on_a_slower_link_does_not_undo_a_stop(two_links):
+    payload, radio = two_links
+    payload.command(STOP, seconds=0.2)
+    payload.ground.long(REARM)
+    frame = payload.ground.air.up[-1]
+    payload.wait(1.0)
+    payload.ground.long(REARM, confirmation=1)
+    payload.wait(0.1)
+    assert not payload.stopped
+    type(payload.ground)(payload.ground.air, system_id=254).long(STOP)
+    payload.wait(0.1)
+    radio.air.up.append(frame)
+    payload.wait(0.5)
+    assert payload.stopped
+
+
+def test_an_arming_that_comes_on_a_slower_link_too_after_one_that_was_lost_does_not_undo_a_stop(two_links):
+    payload, radio = two_links
+    payload.command(STOP, seconds=0.2)
+    payload.ground.long(REARM)
+    lost = payload.ground.air.up.pop()
+    payload.ground.long(REARM)
+    frame = payload.ground.air.up[-1]
+    payload.wait(0.2)
+    radio.air.up.append(lost)
+    payload.wait(0.2)
+    assert not payload.stopped
+    type(payload.ground)(payload.ground.air, system_id=254).long(STOP)
+    payload.wait(0.1)
+    radio.air.up.append(frame)
+    payload.wait(0.5)
+    assert payload.stopped
 
 
 def test_a_turn_that_comes_on_a_slower_link_too_does_not_undo_the_next_one(two_links):
