@@ -65,7 +65,7 @@ class FtpServer:
     passing
         Tells which files there are beside these at present, by name.
     claim
-        Tells whether a link, by its URL, has room for a frame of so many bytes, and sees to it that it gets it.
+        Tells whether a link, by its URL, has room for a frame of so many bytes; true: sees to it that it gets it.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class FtpServer:
         rates: Callable[[], Mapping[str, float]] = dict,
         passing: Callable[[], Mapping[str, bytes]] = dict,
         *,
-        claim: Callable[[str, int], bool] = lambda link, size: True,
+        claim: Callable[[str, int, bool], bool] = lambda link, size, wait: True,
     ) -> None:
         self._component = component
         self._lasting = files
@@ -118,11 +118,11 @@ class FtpServer:
         self._now = now
         left, full = AT_ONCE, set[str]()  # links without room for what is first in line
         for key, session in tuple(self._sessions.items()):
-            if session.job is not None and session.job[1].done() and self._claim(session.link, AROUND + MOST):
+            if session.job is not None and session.job[1].done() and self._room_for(session.link, MOST):
                 self._done(key, session)
             while left:
                 request, content, link = session.next, session.content, session.link
-                if request is None or content is None or link in full or now < self._free.get(link, -math.inf):
+                if request is None or content is None or link in full or self._rests(link):
                     break
                 if not self._has_room(session, content, request):
                     full.add(link)
@@ -192,6 +192,7 @@ class FtpServer:
         else:
             answer = self._answer(request, key, session, job.result())
         session.last_answer = request, answer, self._now
+        self._spend(session.link, len(answer.data) + AROUND)
         self._send(answer, key.client, session.link)
 
     def _answer(self, request: Packet, key: _Key, session: Session, found: Content | bytes) -> Packet:
@@ -240,9 +241,16 @@ class FtpServer:
         return None
 
     def _has_room(self, session: Session, content: Content, request: Packet) -> bool:
-        """Tell whether a portion has room on its link; telemetry leaves it the room until it has."""
-        size = min(request.size or MOST, MOST, max(content.size - request.offset, 1))
-        return self._claim(session.link, AROUND + size)
+        """Tell whether a portion has room on its link."""
+        return self._room_for(session.link, min(request.size or MOST, MOST, max(content.size - request.offset, 1)))
+
+    def _room_for(self, link: str, size: int) -> bool:
+        """Tell whether a link has room for so many bytes; where their share allows it, telemetry leaves it to them."""
+        return self._claim(link, AROUND + size, not self._rests(link))
+
+    def _rests(self, link: str) -> bool:
+        """Tell whether files have had their share of a link for now."""
+        return self._now < self._free.get(link, -math.inf)
 
     def _portion(self, session: Session, content: Content, request: Packet) -> Packet | None:
         """Return the answer to a request for a portion; None: the disk has not given it yet."""
@@ -254,16 +262,21 @@ class FtpServer:
             return None
         if not portion:
             return _refused(request, Error.END_OF_FILE)
-        self._spend(session, len(portion) + AROUND)
+        disk = self._recordings is not None and not isinstance(session.content, InMemory)
+        most = self._recordings.speed if disk and self._recordings is not None else SPEED
+        self._spend(session.link, len(portion) + AROUND, most)
         complete = request.offset + len(portion) >= content.size or self._now >= session.ends
         return replace(_answered(request, portion), burst_complete=request.opcode == Opcode.BURST_READ and complete)
 
-    def _spend(self, session: Session, size: int) -> None:
-        """Let a link rest for as long as telemetry needs after so many bytes."""
-        disk = self._recordings is not None and not isinstance(session.content, InMemory)
-        most = self._recordings.speed if disk and self._recordings is not None else SPEED
-        speed = min(most, SHARE * self._rates().get(session.link, math.inf))
-        self._free[session.link] = max(self._free.get(session.link, -math.inf), self._now - UNSEEN) + size / speed
+    def _spend(self, link: str, size: int, most: float = math.inf) -> None:
+        """Let a link rest for as long as telemetry needs after so many bytes; ``most`` is a speed [bytes/s].
+
+        What was sent while it rests has taken only what telemetry left, and keeps nobody from his share.
+        """
+        if self._rests(link):
+            return
+        speed = min(most, SHARE * self._rates().get(link, math.inf))
+        self._free[link] = max(self._free.get(link, -math.inf), self._now - UNSEEN) + size / speed
 
     # ------------------------------------------------------------------------------------- sessions
 

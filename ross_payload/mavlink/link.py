@@ -21,6 +21,7 @@ from ross_protocols.mavlink.signing import SIGNATURE_SIZE, Guardian, Trust, is_s
 ADMISSION_TIMEOUT_S = 5.0  # with connections that have not shown our key [s]
 BURST = 0.5  # [s] of the rate of a budget that may go out at once
 LARGEST_FRAME = 293  # signed, with a full payload [bytes]
+ACKNOWLEDGEMENT_SIZE = 22  # COMMAND_ACK, unsigned [bytes]
 SERIAL_SHARE = 0.5  # of a serial line's bytes that we may use
 BITS_PER_BYTE = 10  # on a serial line: start bit, eight, stop bit
 CLAIM_S = 0.5  # [s] for which room is left to an answer that does not ask for it again
@@ -105,13 +106,20 @@ class Channel:
         self._counts["sent_bytes"] += len(frame)
         return frame
 
-    def claim(self, size: int, now: float) -> bool:
-        """Tell whether there is room for an unsigned frame of so many bytes; if not, what repeats itself leaves it."""
-        size += 0 if self._guardian is None else SIGNATURE_SIZE
-        if there := self._budget.tokens(now) >= size:
-            self._claim = (0.0, -math.inf) if size >= self._claim[0] else self._claim  # a larger one still waits
+    def claim(self, size: int, now: float, wait: bool) -> bool:
+        """Tell whether there is room for an unsigned frame of so many bytes, and for an acknowledgement beside it.
+
+        If it is to ``wait``, what repeats itself leaves it the room.
+        """
+        signature = 0 if self._guardian is None else SIGNATURE_SIZE
+        need = min(size + ACKNOWLEDGEMENT_SIZE + 2 * signature, self._budget.burst)
+        there = self._budget.tokens(now) >= need
+        if not wait:
+            return there
+        if there:
+            self._claim = (0.0, -math.inf) if need >= self._claim[0] else self._claim  # a larger one still waits
         else:
-            self._claim = float(size), now + CLAIM_S
+            self._claim = need, now + CLAIM_S
         return there
 
     def receive(self, now: float) -> Iterator[Arrived]:

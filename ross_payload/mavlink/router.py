@@ -201,13 +201,14 @@ class Router(AbstractContextManager["Router"]):
         """Return what every link may say in the long run [bytes/s], by its URL; infinite: anything."""
         return {link.config.url: link.rate for link in self._links}
 
-    def claim(self, url: str, size: int) -> bool:
-        """Tell whether a link has room for a frame of so many bytes; if not, what repeats itself leaves it the room.
+    def claim(self, url: str, size: int, wait: bool) -> bool:
+        """Tell whether a link has room for a frame of so many bytes.
 
-        It has to be asked again until there is. A link that is none of ours, as `LOCAL`, has room for anything.
+        If it is to ``wait``, what repeats itself leaves it the room; it has to be asked again until there is. A link
+        that is none of ours, as `LOCAL`, has room for anything.
         """
         now = self._clock.now()
-        return all(link.claim(size, now) for link in self._links if link.config.url == url)
+        return all(link.claim(size, now, wait) for link in self._links if link.config.url == url)
 
     def status(self) -> tuple[LinkStatus, ...]:
         """Return how every link is, in the order of their opening."""

@@ -27,10 +27,12 @@ SPEED = 200_000.0  # [bytes/s]
 class Payload:
     """A file server that offers a folder, and time in steps of 10 ms; the disk gets true time to answer."""
 
-    def __init__(self, sky, folder, speed=SPEED, rate=float("inf")):
+    def __init__(self, sky, folder, speed=SPEED, rate=float("inf"), claim=lambda link, size, wait: True):
         self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
         rates = dict.fromkeys(self.links.rates(), rate)
-        self.server = FtpServer(self.links.component(191), files(), Recordings(folder, speed), lambda: rates)
+        self.server = FtpServer(
+            self.links.component(191), files(), Recordings(folder, speed), lambda: rates, claim=claim
+        )
         self.sequence = 0
 
     def wait(self, seconds):
@@ -100,6 +102,16 @@ def payload(sky, folder):
 
 
 PATH = f"recordings/{SESSION}/audio.wav".encode()
+
+
+def test_a_folder_that_is_listed_without_end_keeps_telemetry_waiting_for_its_share_only(sky, folder):
+    waits = []
+    payload = Payload(sky(), folder, rate=350, claim=lambda link, size, wait: waits.append(wait) or True)
+    for number in range(20):
+        payload.ask(Opcode.LIST, b"recordings", session=number % 2)
+    assert len(waits) == 20
+    assert waits[0]
+    assert 0 < sum(waits) < 10
 
 
 def test_sessions_and_their_files_are_listed_and_nothing_else(payload):

@@ -117,6 +117,40 @@ def test_a_portion_that_is_asked_for_again_while_it_waits_is_sent_once(aloft) ->
     assert len(offsets) <= 16
 
 
+def test_who_asks_for_portions_without_end_leaves_a_slow_link_half_for_the_rest(aloft) -> None:
+    with aloft(RADIO, give=lambda order: None) as sky:
+        (port,) = sky.ports
+        sky.live(5.0)
+        port.call(message_of(Packet(3, Opcode.OPEN_RO, size=14, data=b"parameter.json"), ComponentId(1, 191)))
+        sky.live(1.0)
+        port.packets.clear()
+        for number in range(300):
+            request = Packet(5 + number, Opcode.READ, size=239, offset=239 * (number % 16))
+            port.call(message_of(request, ComponentId(1, 191)))
+            sky.live(0.1)
+    portions = len(port.messages("FILE_TRANSFER_PROTOCOL"))
+    assert 14 <= portions <= 0.5 * 350 * 30 / 266 + 1
+    assert len(port.values(v.Status)) >= 20
+    assert len(port.values(v.Heartbeat)) >= 29
+
+
+def test_a_command_is_answered_while_a_file_takes_its_share_of_a_slow_link(aloft) -> None:
+    with aloft(RADIO, give=lambda order: None) as sky:
+        (port,) = sky.ports
+        sky.live(5.0)
+        port.call(message_of(Packet(3, Opcode.OPEN_RO, size=14, data=b"parameter.json"), ComponentId(1, 191)))
+        port.packets.clear()
+        for number in range(300):
+            if number % 20 == 0:
+                port.call(message_of(Packet(5 + number, Opcode.BURST_READ, size=239), ComponentId(1, 191)))
+            if number % 7 == 0:
+                port.call(common.MAVLink_command_long_message(1, 191, ross.MAV_CMD_ROSS_RECORD, 0, *[0] * 7))
+            sky.live(0.1)
+    assert len(port.messages("FILE_TRANSFER_PROTOCOL")) > 15
+    assert len(port.messages("COMMAND_ACK")) == 43
+    assert sky.links.status()[0].dropped == 0
+
+
 def test_nobody_can_silence_a_heartbeat(aloft) -> None:
     with aloft(GROUND, give=lambda order: None) as sky:
         sky.live(1.0)
