@@ -121,9 +121,10 @@ class Stream:
             need = self._need(rank, item)
             if need > self.most:
                 continue
-            if need + (0 if rank is Rank.HEARTBEAT else max(self.claimed - RESERVE, 0)) > room:
+            size = self._size(item.value)
+            if max(need, size + (0 if rank is Rank.HEARTBEAT else self.claimed)) > room:
                 return chosen
-            room -= self._size(item.value)
+            room -= size
             chosen.append(item.value)
             if isinstance(item.value, Text):
                 self._texts.popleft()

@@ -3,6 +3,7 @@
 import math
 from itertools import pairwise
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -117,6 +118,17 @@ def test_heartbeats_that_somebody_asks_for_more_often_share_what_a_component_may
     assert 0.7 < (link.period(MESSAGE_IDS[Heartbeat]) or 0.0) <= 1.0
     assert link.set_period(MESSAGE_IDS[Heartbeat], None)
     assert link.period(MESSAGE_IDS[Heartbeat]) == 1.0
+
+
+@pytest.mark.parametrize("limit", [math.inf, 100.0], ids=["a payload", "a component with a share, as a gimbal"])
+def test_what_waits_for_room_gets_it_from_all_but_the_heartbeat(limit) -> None:
+    link, board = stream(), full_board()
+    link.limit, link.claimed = limit, 280.0
+    (beat,) = link.due(board, 0.0, 293.0)
+    assert isinstance(beat, Heartbeat)
+    assert link.due(board, 0.5, 293.0) == []
+    link.claimed = 0.0
+    assert len(link.due(board, 0.5, 293.0)) > 1
 
 
 def test_with_room_for_it_status_comes_as_often_as_usual() -> None:
