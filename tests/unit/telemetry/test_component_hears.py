@@ -82,6 +82,7 @@ def test_a_file_is_read_on_a_slow_link_on_which_more_waits_than_it_carries(aloft
     """A portion takes most of what 350 bytes/s may save up: what repeats itself leaves it the room."""
     with aloft(RADIO, give=lambda order: None) as sky:
         (port,) = sky.ports
+        sky.live(0.1)
         port.call(common.MAVLink_command_long_message(1, 191, 511, 0, 54001, 50_000, 0, 0, 0, 0, 0))
         sky.live(5.0)
         port.packets.clear()
