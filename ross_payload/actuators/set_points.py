@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 
 from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Move
 from ross_payload.actuators.motion import Motion, Trapezoid
@@ -10,7 +11,33 @@ from ross_payload.interfaces import Capabilities
 
 SET_POINT_PERIOD_S = 0.02  # between set-points [s]
 UNSEEN_S = 0.15  # longer between two reports, and the device may have got no set-points either [s]
+UNUSUAL, N_GAPS, OUTAGES = 2.5, 9, 2  # times the longest of the last so many gaps but two, which may be outages
+ASTRAY_RAD, ASTRAY_S = math.radians(2), 0.05  # farther from its plan than the lag of a gimbal or servo [rad], [s]
 SLOWEST_S, PACE_DECAY = 0.1, 0.8  # of the pace that a plan keeps to [s]; of a slower one from one set-point to the next
+
+
+class ReportGaps:
+    """What is a gap between reports: much longer than is usual of this device.
+
+    >>> gaps = ReportGaps()
+    >>> for gap in 0.1, 0.9, 0.1, 0.9, 0.1, 0.9, 0.1, 0.9, 0.1:  # of two that come once a second
+    ...     gaps.note(gap)
+    >>> gaps.unusual()
+    2.25
+    """
+
+    def __init__(self) -> None:
+        self._last: deque[float] = deque(maxlen=N_GAPS)
+
+    def note(self, gap: float) -> None:
+        """Take in the time from one report to the next [s]."""
+        if 0.0 < gap < math.inf:
+            self._last.append(gap)
+
+    def unusual(self, least: float = UNSEEN_S) -> float:
+        """Return the time that no two reports are apart [s], which is ``least`` or more."""
+        usual = sorted(self._last)[-OUTAGES - 1] if len(self._last) > OUTAGES else 0.0
+        return max(least, UNUSUAL * usual)
 
 
 class SetPoints:
@@ -44,11 +71,22 @@ class SetPoints:
         self.pace = ahead  # in which set-points go out lately [s]
         self._led = math.inf  # which time of the plan the last set-point was of [s]; infinity: there was none
         self._asked: float | None = None  # the last set-point [rad]; None: none since it began from rest
+        self._again = math.nan  # where this turn was begun again last [rad]
 
     def turn(self, move: Move, position: float, velocity: float, now: float) -> None:
         """Go to a goal from ``position`` [rad] with ``velocity`` [rad/s]."""
         self._go(Trapezoid(position, move.goal, move.rate, self._able.max_acceleration, velocity), now)
-        self._turning = True
+        self._turning, self._again = True, math.nan
+
+    def turn_again(self, position: float, velocity: float, now: float) -> None:
+        """Begin a turn again from where an outage has left the device [rad], unless it did so there before.
+
+        One that is jammed has to be found behind its plan.
+        """
+        motion = self.motion
+        if motion is not None and not abs(position - self._again) <= ASTRAY_RAD:
+            self.turn(Move(motion.plan.goal, motion.plan.speed), position, velocity, now)
+            self._again = position
 
     def halt(self, now: float) -> None:
         """Decelerate from the last set-point."""

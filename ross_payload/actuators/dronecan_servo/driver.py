@@ -27,7 +27,14 @@ from ross_payload.actuators.driver_shell import (
 from ross_payload.actuators.dronecan_servo.diagnostics import LATE_REPORT_S, MAX_NOISE_RAD, PositionNoise
 from ross_payload.actuators.dronecan_servo.options import Options
 from ross_payload.actuators.dronecan_servo.servo_client import ALIVE_TIMEOUT_S, PositionReport, ServoClient
-from ross_payload.actuators.set_points import SET_POINT_PERIOD_S, UNSEEN_S, SetPoints
+from ross_payload.actuators.set_points import (
+    ASTRAY_RAD,
+    ASTRAY_S,
+    SET_POINT_PERIOD_S,
+    UNSEEN_S,
+    ReportGaps,
+    SetPoints,
+)
 from ross_payload.errors import LinkError
 from ross_payload.interfaces import ActuatorState, Clock, Feedback, Port
 
@@ -48,6 +55,7 @@ class DronecanServo(Driver):
         self._noise = PositionNoise()
         self._read_at = math.inf  # the bus, last [s]
         self._silence = 0.0  # for so long it was listened to without a word of the servo [s]
+        self._gaps = ReportGaps()  # in what is heard of the servo
         self._behind = 0  # reports in a row that were too far behind
         self._fault = ""
         self.capabilities = capabilities_of(options, options.resolution, Feedback(options.feedback))
@@ -153,13 +161,16 @@ class DronecanServo(Driver):
         heard = self._client.heard_at > heard_at
         if heard and not self._measured and self._is_unled(heard_at) and self._plan.brakes_after(heard_at):
             self._lose()
+        if heard:
+            self._gaps.note(self._client.heard_at - heard_at)
         self._silence = 0.0 if heard else self._silence + listened
 
     def _is_unled(self, heard_at: float) -> bool:
         """Tell whether it was to move, and was not heard since ``heard_at`` [s]: nor were we, maybe."""
         motion = self._plan.motion
         moved = motion is not None and motion.plan.duration > 0.0 and motion.end > heard_at
-        return moved and self._silence > (ALIVE_TIMEOUT_S if self._client.only_beats else LATE_REPORT_S)
+        late = ALIVE_TIMEOUT_S if self._client.only_beats else self._gaps.unusual(LATE_REPORT_S)
+        return moved and self._silence > late
 
     def _lose(self) -> None:
         self._latch("the servo was to stop while nothing was heard of it: its position is uncertain; home and rearm")
@@ -168,15 +179,19 @@ class DronecanServo(Driver):
     def _look_again(self, joint: float, before: float, now: float) -> None:
         """Go on from where a servo has come to rest that was not heard since ``before`` [s], and got no set-points.
 
-        What was to brake stays there; a turn that is far from its plan begins again.
+        What was to brake and is not where it should be stays there; a turn that is far from its plan begins again,
+        unless reports come as seldom as this.
         """
         motion = self._plan.motion
         if motion is None or motion.end <= before or not math.isfinite(joint):
             return
+        angle, rate = motion.at(now)
+        behind = abs(joint - angle)
         if self._plan.brakes_after(before):
-            self._plan.hold(joint, now)
-        elif abs(joint - motion.at(now)[0]) > math.radians(self._options.max_lag_deg):
-            self._plan.turn(Move(motion.plan.goal, motion.plan.speed), joint, 0.0, now)
+            if behind > ASTRAY_RAD + ASTRAY_S * abs(rate):
+                self._plan.hold(joint, now)
+        elif now - before > self._gaps.unusual() and behind > math.radians(self._options.max_lag_deg):
+            self._plan.turn_again(joint, 0.0, now)
 
     def _latch(self, fault: str) -> None:
         self._fault = self._fault or fault

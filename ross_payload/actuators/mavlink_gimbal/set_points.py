@@ -7,12 +7,11 @@ import math
 from ross_payload.actuators.driver_shell import Move
 from ross_payload.actuators.mavlink_gimbal.feedback import GimbalFeedback
 from ross_payload.actuators.motion import Motion, Trapezoid
-from ross_payload.actuators.set_points import UNSEEN_S, SetPoints
+from ross_payload.actuators.set_points import ASTRAY_RAD, ASTRAY_S, UNSEEN_S, ReportGaps, SetPoints
 from ross_payload.interfaces import Capabilities
 
 PAUSE_S = 0.25  # longer without the next set-point, and what follows them has come to rest at the last one [s]
 FRESH_S = 0.1  # a report that is older is no place to brake from [s]
-ASTRAY_RAD, ASTRAY_S = math.radians(2), 0.05  # farther from its plan than the lag of a gimbal [rad], [s]
 STILL_RAD_S = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
 
 
@@ -25,11 +24,20 @@ class YawSetPoints(SetPoints):
         Travel and acceleration.
     still
         What it trembles with at rest [rad/s].
+    astray
+        What is farther from its plan than this [rad], and this many [s] more, does not only lag.
     """
 
-    def __init__(self, capabilities: Capabilities, *, still: float = STILL_RAD_S) -> None:
+    def __init__(
+        self,
+        capabilities: Capabilities,
+        *,
+        still: float = STILL_RAD_S,
+        astray: tuple[float, float] = (ASTRAY_RAD, ASTRAY_S),
+    ) -> None:
         super().__init__(capabilities, pause=PAUSE_S)
-        self._still = still
+        self._still, self._astray = still, astray
+        self._gaps = ReportGaps()
         self.braking: Motion | None = None
         self.restless = math.inf  # when it was last seen away from its goal [s]
         self._seen_at = -math.inf  # [s]
@@ -55,19 +63,24 @@ class YawSetPoints(SetPoints):
         """Go on from where it is seen after a while without reports: it may have got no set-points either.
 
         Then it has come to rest at the last one, and the plan has gone on. What was to brake brakes from there; a turn
-        that is far from its plan begins again. Nobody goes on from where it is not ``believed`` to be.
+        that is far from its plan begins again, unless reports come as seldom as this. Nobody goes on from
+        where it is not ``believed`` to be.
         """
-        if now - seen.time > FRESH_S:
+        if now - seen.time > FRESH_S or seen.time <= self._seen_at:
             return
-        before, self._seen_at = self._seen_at, seen.time
+        gap, before, self._seen_at = seen.time - self._seen_at, self._seen_at, seen.time
+        unusual = self._gaps.unusual()
+        self._gaps.note(gap)
         motion = self.motion
-        if motion is None or not believed or seen.time - before <= UNSEEN_S or motion.end <= before:
+        if motion is None or not believed or motion.end <= before:
             return
-        angle, rate = motion.at(seen.time)
-        if not self._turning:
+        if not self._turning and gap > UNSEEN_S:
             self.resume(seen, None, now)
-        elif abs(angle - seen.angle) > ASTRAY_RAD + ASTRAY_S * abs(rate):
-            self.resume(seen, Move(motion.plan.goal, motion.plan.speed), now)
+        elif self._turning and gap > unusual:
+            (angle, rate), (far, lag) = motion.at(seen.time), self._astray
+            if abs(angle - seen.angle) > far + lag * abs(rate):
+                self.braking = None
+                self.turn_again(*self._there(seen, now), now)
 
     def forget_late_brake(self, now: float) -> None:
         """Brake no more what somebody else turned, if this program was held up: they may have turned it since."""

@@ -37,6 +37,7 @@ from ross_protocols.mavlink.gimbal_messages import GimbalAttitude
 from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
 
 STILL_RAD_S = math.radians(5)  # with which a vehicle that holds its yaw in wind swings
+ASTRAY = math.radians(5), 0.4  # farther from its plan than an autopilot lags that shapes what it is told [rad], [s]
 FASTEST_RAD_S = math.radians(120)  # at which no payload turns a vehicle; a pilot may, a little faster
 ASKING_S = 2.0  # in which an autopilot must tell what it was asked for
 ASKING_PERIOD_S = 0.2  # between two times that it is asked to hold its yaw
@@ -63,7 +64,7 @@ class VehicleYaw(Driver):
         self._watch = FlightWatch(options)
         self._feedback = GimbalFeedback(self.capabilities.lower, self.capabilities.upper, FASTEST_RAD_S, cable=False)
         free = replace(able, lower=-math.inf, upper=math.inf)  # others turn it anywhere: it stays there, and comes back
-        self._plan = YawSetPoints(free, still=STILL_RAD_S)
+        self._plan = YawSetPoints(free, still=STILL_RAD_S, astray=ASTRAY)
         self._commands: YawCommands | None = None
         self._held = False  # somebody holds it for a task: only then it matters whether it may be turned
         self._held_at = -math.inf  # since when [s]

@@ -1,0 +1,117 @@
+"""Reports that come a few times a second, as over a radio or from a servo that is set so: they are no outages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from examples import in_soak
+from rigs import ACCELERATION, Rig, rig_of
+from ross_payload.interfaces import Clock, Port
+from ross_sim.clock import QUANTUM
+from ross_sim.devices import servo_node
+from ross_sim.devices.far_end import Fault
+
+pytestmark = pytest.mark.lockstep
+
+LED = ["mavlink_gimbal", "dronecan_servo", "vehicle_yaw", "vehicle_yaw:offboard"]
+LED_TOO = in_soak("mavlink_gimbal:manager", "dronecan_servo:gimbal")
+REPORTS = ("GIMBAL_DEVICE_ATTITUDE_STATUS", "ATTITUDE", "ATTITUDE_QUATERNION")
+
+
+class SeldomReports:
+    """A port over which one attitude comes in a while."""
+
+    def __init__(self, port: Port, clock: Clock, period: float) -> None:
+        self._port, self._clock, self._period = port, clock, period
+        self._due = 0.0
+        self.send, self.close = port.send, port.close
+
+    def receive(self) -> list[Any]:
+        return [frame for frame in self._port.receive() if self._passes(frame)]
+
+    def _passes(self, frame: Any) -> bool:
+        packet, now = getattr(frame, "packet", None), self._clock.now()
+        if packet is None or packet.name not in REPORTS:
+            return True
+        passes = now >= self._due - QUANTUM / 2
+        self._due = now + self._period if passes else self._due
+        return passes
+
+
+def rig_that_reports_every(period: float, led: str, monkeypatch: pytest.MonkeyPatch) -> Rig:
+    monkeypatch.setattr(servo_node, "REPORT", period)
+    rig = rig_of(led).open()
+    rig.wire.plug(SeldomReports(rig.far_end.port, rig.clock, period))
+    rig.clock.sleep(3.0)
+    return rig
+
+
+@pytest.mark.parametrize("period", [0.2, *in_soak(0.33)])
+@pytest.mark.parametrize("led", [*LED, *LED_TOO])
+def test_what_does_not_follow_is_found(led: str, period: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No report begins its turn again and again where it is."""
+    rig = rig_that_reports_every(period, led, monkeypatch)
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(0.3)
+    rig.far_end.afflict(Fault.STALL if led.startswith("vehicle") else Fault.STUCK, on=True)
+    rig.clock.sleep(3.0)
+    assert "does not follow" in rig.state.fault
+
+
+@pytest.mark.parametrize("led", ["mavlink_gimbal", *in_soak("mavlink_gimbal:manager")])
+def test_what_does_not_follow_is_found_through_outages_as_well(led: str) -> None:
+    rig = rig_of(led).open()
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(0.3)
+    rig.far_end.afflict(Fault.STUCK, on=True)
+    for _ in range(6):
+        for rig.wire.severed, duration in ((True, 0.2), (False, 0.3)):
+            rig.clock.sleep(duration)
+    assert "does not follow" in rig.state.fault
+
+
+@pytest.mark.parametrize("period", [0.2, *in_soak(0.33)])
+@pytest.mark.parametrize("led", [*LED, *LED_TOO])
+def test_a_turn_takes_no_longer(led: str, period: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A vehicle that lags by a third of a second is not behind its plan."""
+    times = []
+    for each in (0.02, period):
+        rig = rig_that_reports_every(each, led, monkeypatch)
+        rig.actuator.command(rig.upper - 0.1)
+        times.append(rig.settle(within=8.0))
+    assert times[1] <= times[0] + 2 * period
+
+
+@pytest.mark.parametrize("period", [0.2, *in_soak(0.33)])
+@pytest.mark.parametrize("led", ["dronecan_servo", *in_soak("dronecan_servo:gimbal", "dronecan_servo:model")])
+def test_a_servo_that_is_stopped_decelerates(led: str, period: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = rig_that_reports_every(period, led, monkeypatch)
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(0.5)
+    rig.actuator.stop()
+    angles = []
+    for _ in range(150):
+        rig.clock.sleep(QUANTUM)
+        angles.append(rig.far_end.angle())
+    speeds = np.diff(angles) / QUANTUM
+    assert max(speeds[:-5] - speeds[5:]) / (5 * QUANTUM) <= 1.5 * ACCELERATION  # within 50 ms
+
+
+@pytest.mark.parametrize("period", [0.33, *in_soak(0.4)])
+def test_a_servo_without_a_position_is_not_let_go_when_it_is_stopped(
+    period: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = rig_that_reports_every(period, "dronecan_servo:model", monkeypatch)
+    for _ in range(6):  # stops at different times between two reports
+        rig.actuator.command(rig.upper)
+        rig.clock.sleep(0.83)
+        rig.actuator.stop()
+        rig.clock.sleep(1.51)
+        assert rig.state.healthy, rig.state.fault
+        assert rig.state.homed
+        rig.actuator.rearm()
+        rig.actuator.command(0.0)
+        rig.clock.sleep(4.0)
