@@ -246,3 +246,23 @@ def test_settings_that_came_damaged_are_read_again_when_it_is_homed():
     bench.actuator.home()
     bench.until(lambda: bench.state.homed and bench.state.settled)
     bench.go(math.radians(10))
+
+
+def test_settings_that_a_stop_kept_from_being_read_again_are_read_when_it_is_homed():
+    """Without them every position seemed possible, and none was within soft limits."""
+    bench = Bench()
+    bench.open(1.0)
+    port, send, receive, said = bench.end.port, bench.end.port.send, bench.end.port.receive, []
+    port.send = lambda data: (said.append(data), send(data))
+    port.receive = lambda: [b"[x\r\n", *receive()]
+    bench.clock.sleep(0.01)
+    port.receive = receive
+    bench.clock.sleep(15.0)
+    bench.actuator.home()
+    bench.until(lambda: b"$$\n" in said)
+    bench.actuator.stop()
+    bench.clock.sleep(1.0)
+    said.clear()
+    bench.actuator.home()
+    bench.until(lambda: bench.state.homed and bench.state.settled)
+    assert b"$$\n" in said

@@ -50,7 +50,7 @@ class GrblClient:
         self._starts = 0  # banners
         self.tracker = PositionTracker(options.index, options.resolution)
         self.identified = False
-        self._identified_at = math.inf  # since when its settings are read [s]
+        self._identified_at = -math.inf  # when its settings began to be read [s]; minus infinity: not, or wrong
         self.homing = False  # during which grbl tells nothing, until it has told where it is
         self.position_known = False  # whether the counter still means what it did
 
@@ -126,7 +126,7 @@ class GrblClient:
 
     def identify(self) -> Script:
         """Read version and settings and hold them against the options."""
-        starts, self._identified_at = -1, self._now
+        starts, begin, self._identified_at = -1, self._now, -math.inf
         while starts != self._starts:  # once more when it has started meanwhile
             starts, self._version = self._starts, ""
             self._settings.clear()
@@ -145,6 +145,7 @@ class GrblClient:
             log.warning("%s", note)
         yield from self._fresh_report()
         self._starting, self.identified, self.position_known = False, True, True
+        self._identified_at = begin
 
     def void(self) -> Script:
         """End what somebody left half said, or was lost on its way, so that it is refused."""
