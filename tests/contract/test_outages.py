@@ -96,6 +96,25 @@ def test_a_gimbal_that_got_no_set_points_gets_none_before_it_is_heard_again(led:
     rig.actuator.__exit__(None, None, None)
 
 
+@pytest.mark.parametrize("led", ["mavlink_gimbal", "mavlink_gimbal:manager", "dronecan_servo", "dronecan_servo:model"])
+def test_what_rests_at_its_goal_is_held_there_also_while_nothing_is_heard_of_it(
+    led: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A gimbal device gives up a manager that is silent for a second, and a servo may let go."""
+    rig = rig_of(led).open()
+    rig.actuator.command(0.5)
+    rig.settle(within=5.0)
+    send, sent = rig.wire.send, []
+    monkeypatch.setattr(rig.wire, "send", lambda frame: (sent.append(rig.clock.now()), send(frame)))
+    rig.wire.cut = True
+    rig.clock.sleep(0.5)
+    for _ in range(10):
+        before = len(sent)
+        rig.clock.sleep(0.2)
+        assert len(sent) > before
+    rig.actuator.__exit__(None, None, None)
+
+
 @pytest.mark.parametrize("led", [*LED, *in_soak(*LED_TOO)])
 def test_a_turn_that_an_outage_of_the_wire_has_ended_does_not_go_on_when_it_is_over(led: str) -> None:
     rig = rig_of(led).open()

@@ -137,7 +137,8 @@ class MavlinkGimbal(Driver):
             self._begin(now)
         self._look_whether_it_follows(now)
         motion = self._plan.motion
-        if motion is None or (self._blind and now > motion.end + HOLD_PERIOD_S):
+        unled = motion is not None and self._blind and self._feedback.time < motion.end < now - HOLD_PERIOD_S
+        if motion is None or unled:
             return  # a gimbal that has got no set-points would be led on by the first one, before it is heard
         due = self._plan.due(motion, HOLD_PERIOD_S if self._settled else SET_POINT_PERIOD_S, now)
         if due is not None:
