@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict, deque
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from ross_payload.mavlink.component import Way
 from ross_payload.orders import Order, Task
 from ross_protocols.mavlink.commands import HEARD, MOST_CONFIRMATION, Command, Result
 from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import ross
 
+REARM = ross.MAV_CMD_ROSS_REARM
 RESENT = 5.0  # [s] within which a confirmation above 0 means the same command
 DOUBTED = 3.0  # [s] within which it does even when as many frames were lost as it says were sent before it
 RESENT_EVERY = 1.0  # [s] from one frame of a command to the next: a new one cannot have reached a confirmation sooner
@@ -136,6 +139,12 @@ class Entry:
         return (*self.earlier, self.origin)
 
     @property
+    def heard(self) -> Iterator[tuple[Command, Origin]]:
+        """Its frames, and those of the ones before it, as far as they are remembered."""
+        for command, origins in ((self.command, self.origins), *((other, old) for other, _, old in self.past)):
+            yield from ((command, origin) for origin in origins)
+
+    @property
     def current(self) -> Entry:
         """Itself, or the one that was kept when it was refused."""
         return self if self.order is not None or self.kept is None else self.kept.current
@@ -151,11 +160,21 @@ class Entry:
         return (self,) if self.kept is None else (*self.kept.remembered, self)
 
 
+@dataclass(slots=True)
+class _Stops:
+    """The stops of a sender on a way."""
+
+    place: int  # the highest
+    time: float = -math.inf  # of the latest [s]
+    new: float = -math.inf  # of the latest that had not come on another link before [s]
+
+
 class RecentCommands:
     """The latest commands, one per sender and number."""
 
     def __init__(self) -> None:
         self._entries: OrderedDict[tuple[ComponentId, int], Entry] = OrderedDict()
+        self._stops: OrderedDict[tuple[ComponentId, Way], _Stops] = OrderedDict()
 
     def find(self, sender: ComponentId, number: int) -> Entry | None:
         """Return the latest command of a number from a sender."""
@@ -171,6 +190,19 @@ class RecentCommands:
         if len(self._entries) > MOST:
             self._entries.popitem(last=False)
 
+    def note_stop(self, entry: Entry) -> None:
+        """Remember a stop; each is obeyed, also one that has come on another link before."""
+        origin = entry.origin
+        before = self.find(origin.sender, entry.command.number)
+        copied = before is not None and any(origin.is_copy(whence) for _, whence in before.heard)
+        stops = self._stops.pop((origin.sender, origin.way), None) or _Stops(origin.place)
+        stops.place, stops.time = max(stops.place, origin.place), entry.time
+        stops.new = stops.new if copied else entry.time
+        self._stops[origin.sender, origin.way] = stops
+        if len(self._stops) > MOST:
+            self._stops.popitem(last=False)
+        self.note(entry)
+
     def repeated(self, command: Command, origin: Origin, now: float) -> Entry | None:
         """Return the entry that a frame only repeats: sent again, or doubled or delayed on its way."""
         latest = self.find(origin.sender, command.number)
@@ -181,7 +213,7 @@ class RecentCommands:
             over = new and entry is not latest and entry.order is None and alike(latest.command, command)
             if over or not alike(entry.command, command):
                 continue  # it was answered, and its like was refused since
-            if _is_late(entry, command, origin, now):
+            if self._is_late(entry, command, origin, now):
                 return entry
             if self._again(entry, command, origin, now):
                 entry.earlier = entry.origins[-MOST_PAST:]
@@ -196,12 +228,35 @@ class RecentCommands:
         confirmation of what was just replaced has taken longer: a sender may confirm on several at once.
         """
         entry = self.find(origin.sender, command.number)
-        return entry is not None and _is_late(entry, command, origin, now)
+        return entry is not None and self._is_late(entry, command, origin, now)
 
     def not_after(self, number: int, origin: Origin, now: float) -> bool:
         """Tell whether a frame that arrives now has no higher place than the latest command of a number."""
         entry = self.find(origin.sender, number)
         return entry is not None and _not_after(entry, origin, now)
+
+    def _is_late(self, entry: Entry, command: Command, origin: Origin, now: float) -> bool:
+        """Tell whether a frame that arrives now was sent before a command of its number, or is that one."""
+        copied = [whence for other, whence in entry.heard if alike(other, command) and origin.is_copy(whence)]
+        if copied and not (command.number == REARM and self._undone(origin, copied[-1])):
+            return True
+        if origin.way != entry.origin.way:
+            past = any(alike(other, command) and now - time < RESENT for other, time, _ in entry.past)
+            return past and command.confirmation > 0
+        if not _not_after(entry, origin, now):
+            return False
+        return command.confirmation <= entry.command.confirmation or not alike(entry.command, command)
+
+    def _undone(self, origin: Origin, first: Origin) -> bool:
+        """Tell whether a stop that came before a frame on its link has undone what the frame did on a faster one.
+
+        Nobody may have stopped since in any other way.
+        """
+        way = origin.sender, origin.way
+        ahead = self._stops.get(way)
+        if ahead is None or ahead.time < first.time or ahead.place >= origin.place:
+            return False
+        return all(stops.new < first.time for other, stops in self._stops.items() if other != way)
 
     def _again(self, entry: Entry, command: Command, origin: Origin, now: float) -> bool:
         """Tell whether a sender says a command again that it has not heard the end of."""
@@ -263,19 +318,6 @@ def _was_before(origin: Origin, ordered: Origin) -> bool:
 
 def _not_after(entry: Entry, origin: Origin, now: float) -> bool:
     return now - entry.time < LATE and origin.not_after(entry.origin)
-
-
-def _is_late(entry: Entry, command: Command, origin: Origin, now: float) -> bool:
-    """Tell whether a frame that arrives now was sent before a command of its number, or is that one."""
-    sent = [(entry.command, entry.origins), *((other, origins) for other, _, origins in entry.past)]
-    if any(alike(other, command) and any(map(origin.is_copy, origins)) for other, origins in sent):
-        return True
-    if origin.way != entry.origin.way:
-        past = any(alike(other, command) and now - time < RESENT for other, time, _ in entry.past)
-        return past and command.confirmation > 0
-    if not _not_after(entry, origin, now):
-        return False
-    return command.confirmation <= entry.command.confirmation or not alike(entry.command, command)
 
 
 def alike(command: Command, other: Command) -> bool:

@@ -170,7 +170,7 @@ class MissionCommands:
         if self._origin is None:
             return
         entry = Entry(command, self._origin, now, Result.ACCEPTED)
-        self._recent.note(entry)
+        self._recent.note_stop(entry)
         if now >= self._next_stop:
             self._order(Stop())
             self._next_stop = now + STOP_PERIOD

@@ -198,6 +198,45 @@ def test_an_arming_that_comes_on_a_slower_link_too_does_not_undo_the_stop_of_som
     assert payload.stopped
 
 
+@pytest.mark.parametrize("others", [False, True], ids=["alone", "stopped by another, too"])
+@pytest.mark.parametrize("lost", [False, True], ids=["heard", "lost"])
+def test_an_arming_undoes_the_stop_that_its_sender_had_sent_before_it_on_a_slower_link_too(two_links, lost, others):
+    payload, radio = two_links
+    payload.ground.long(STOP)
+    stop = payload.ground.air.up[-1]
+    if lost:
+        payload.ground.air.up.clear()
+    payload.wait(0.3)
+    payload.ground.long(REARM)
+    rearm = payload.ground.air.up[-1]
+    payload.wait(0.2)
+    assert not payload.stopped
+    if others:
+        type(payload.ground)(payload.ground.air, system_id=254).long(STOP)
+        payload.wait(0.2)
+    radio.air.up.append(stop)
+    payload.wait(0.3)
+    assert payload.stopped
+    for _ in range(2):
+        radio.air.up.append(rearm)
+        payload.wait(0.3)
+    assert payload.stopped == others
+    assert sum(isinstance(order, Rearm) for order in payload.given) == (1 if others else 2)
+
+
+def test_an_arming_does_not_undo_the_stop_that_its_sender_has_sent_after_it_where_that_comes_first(two_links):
+    payload, radio = two_links
+    frames = []
+    for number in (STOP, REARM, STOP):
+        payload.ground.long(number)
+        frames.append(payload.ground.air.up[-1])
+        payload.wait(0.3)
+    for place in (2, 0, 1):
+        radio.air.up.append(frames[place])
+        payload.wait(0.1)
+        assert payload.stopped
+
+
 def test_a_cancel_that_comes_on_a_slower_link_too_does_not_end_the_next_task(two_links):
     payload, radio = two_links
     payload.command(TURN, 60, seconds=0.2)
