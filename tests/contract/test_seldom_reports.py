@@ -86,6 +86,35 @@ def test_a_turn_takes_no_longer(led: str, period: float, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("period", [0.2, *in_soak(0.33)])
+@pytest.mark.parametrize("led", [*LED, *LED_TOO])
+def test_what_is_stopped_settles_and_stays_settled(led: str, period: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No report begins its stop again and again where it is."""
+    rig = rig_that_reports_every(period, led, monkeypatch)
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(0.8)
+    rig.actuator.stop()
+    rig.settle(within=2.0)
+    for _ in range(200):
+        rig.clock.sleep(QUANTUM)
+        assert rig.state.settled
+
+
+@pytest.mark.parametrize("led", ["mavlink_gimbal", *in_soak("mavlink_gimbal:manager")])
+def test_a_gimbal_that_is_stopped_while_it_catches_up_goes_no_farther_than_its_plan(
+    led: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is faster than its plan then, and would brake from there for longer."""
+    rig = rig_that_reports_every(0.4, led, monkeypatch)
+    rig.clock.sleep(0.2)  # a report comes while it catches up
+    rig.actuator.command(rig.upper)
+    for rig.wire.severed, duration in ((False, 0.1), (True, 0.3), (False, 0.1)):
+        rig.clock.sleep(duration)
+    rig.actuator.stop()
+    rig.clock.sleep(3.0)
+    assert rig.far_end.angle() <= 1.2 * ACCELERATION * 0.5**2  # to the stop half of it
+
+
+@pytest.mark.parametrize("period", [0.2, *in_soak(0.33)])
 @pytest.mark.parametrize("led", ["dronecan_servo", *in_soak("dronecan_servo:gimbal", "dronecan_servo:model")])
 def test_a_servo_that_is_stopped_decelerates(led: str, period: float, monkeypatch: pytest.MonkeyPatch) -> None:
     rig = rig_that_reports_every(period, led, monkeypatch)

@@ -62,9 +62,10 @@ class YawSetPoints(SetPoints):
     def look_again(self, seen: GimbalFeedback, now: float, *, believed: bool) -> None:
         """Go on from where it is seen after a while without reports: it may have got no set-points either.
 
-        Then it has come to rest at the last one, and the plan has gone on. What was to brake brakes from there; a turn
-        that is far from its plan begins again, unless reports come as seldom as this. Nobody goes on from
-        where it is not ``believed`` to be.
+        Then it has come to rest at the last one, and the plan has gone on. What was to brake brakes from there, where
+        reports come as seldom as this only if it is far from its plan and so rests sooner; a turn that is far from its
+        plan begins again, unless reports come as seldom as this. Nobody goes on from where it is not ``believed`` to
+        be.
         """
         if now - seen.time > FRESH_S or seen.time <= self._seen_at:
             return
@@ -74,13 +75,14 @@ class YawSetPoints(SetPoints):
         motion = self.motion
         if motion is None or not believed or motion.end <= before:
             return
-        if not self._turning and gap > UNSEEN_S:
+        (angle, rate), (far, lag) = motion.at(seen.time), self._astray
+        astray = abs(angle - seen.angle) > far + lag * abs(rate)
+        sooner = gap > UNSEEN_S and astray and self._rests_sooner(seen, motion, now)
+        if not self._turning and (gap > unusual or sooner):
             self.resume(seen, None, now)
-        elif self._turning and gap > unusual:
-            (angle, rate), (far, lag) = motion.at(seen.time), self._astray
-            if abs(angle - seen.angle) > far + lag * abs(rate):
-                self.braking = None
-                self.turn_again(*self._there(seen, now), now)
+        elif self._turning and gap > unusual and astray:
+            self.braking = None
+            self.turn_again(*self._there(seen, now), now)
 
     def forget_late_brake(self, now: float) -> None:
         """Brake no more what somebody else turned, if this program was held up: they may have turned it since."""
@@ -102,6 +104,11 @@ class YawSetPoints(SetPoints):
         if not (over and there and rate == 0.0) or self.restless == math.inf:
             self.restless = now
         return rate, now - self.restless
+
+    def _rests_sooner(self, seen: GimbalFeedback, motion: Motion, now: float) -> bool:
+        """Tell whether it turns less when it brakes from where it is seen than when it follows its plan."""
+        position, rate = self._there(seen, now)
+        return abs(self._to_rest(position, rate).goal - position) < abs(motion.plan.goal - position)
 
     def _there(self, seen: GimbalFeedback, now: float) -> tuple[float, float]:
         rate = seen.rate if abs(seen.rate) >= self._still else 0.0
