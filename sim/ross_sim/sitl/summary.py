@@ -37,7 +37,7 @@ def show(finished: Finished, out: Path | None, as_json: bool, console: Console |
     timing = finished.timing
     console.print(
         f"\n{values['outcome'].replace('_', ' ')}: {values['reason']}. {values['mission_s'] or 0:.1f} s simulated in "
-        f"{timing['mission_s']:.1f} s, {timing['times_real_time']:.0f} times real time.",
+        f"{timing['mission_s']:.1f} s, {times(timing['times_real_time'])} real time.",
         highlight=False,
         soft_wrap=True,
     )
@@ -127,3 +127,12 @@ def _bearing(degrees: float | None) -> str:
 
 def _number(value: float | None, digits: int) -> str:
     return "-" if value is None else f"{value:.{digits}f}"
+
+
+def times(ratio: float) -> str:
+    """Return a ratio in words; below 10 with two digits, for a slow computer.
+
+    >>> times(20.3), times(6.05), times(0.271)
+    ('20 times', '6 times', '0.27 times')
+    """
+    return f"{ratio:.0f} times" if ratio >= 10 else f"{ratio:.2g} times"
