@@ -6,7 +6,7 @@ set -eu
 source=$(cd "$(dirname "$0")/../.." && pwd)
 out=${1:-$source/dist}
 for tool in dpkg-buildpackage dh; do
-  type "$tool" >/dev/null 2>&1 || { echo "$tool is missing; type: sudo apt-get install dpkg-dev debhelper python3-venv"; exit 2; }
+  type "$tool" >/dev/null 2>&1 || { echo "$tool is missing; type: sudo apt-get install build-essential debhelper python3-venv"; exit 2; }
 done
 [ -f "$source/docs/deploy/debian/control" ] || { echo "expected a checkout around $0, got none"; exit 2; }
 
