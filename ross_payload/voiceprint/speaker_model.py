@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Protocol
 
 import numpy as np
@@ -16,6 +17,9 @@ from ross_payload.voiceprint.features import Features, analyse, at_rate, checked
 ENROL_SECONDS = 1.5  # least voiced speech to enrol from [s]
 LONGEST = 120.0  # what `ross enroll` uses of a recording [s]: 4 s are enough, and memory grows with it
 CLIPPED_SHARE = 5e-4  # of the samples, from which a recording counts as clipped
+STEADY = 1e-3  # standard deviation over mean, up to which a recording is a constant voltage
+TONE_SHARE = 0.9  # of the power, from which a recording is a tone
+TONE_HZ = 5.0  # of the power is within so much of its frequency [Hz]
 
 
 class VoiceModel(Embedder, Protocol):
@@ -35,8 +39,8 @@ def enrol(voice: Real, rate: int, model: VoiceModel | None = None, *, separated:
     Raises
     ------
     AudioError
-        When the recording is empty, silent, clipped, not finite, louder than any sound, sampled below 16 or above
-        192 kHz, or holds less than 1.5 s of voiced speech.
+        When the recording is empty, silent, constant, clipped, a tone, not finite, louder than any sound, sampled
+        below 16 or above 192 kHz, or holds less than 1.5 s of voiced speech.
     """
     samples = checked(voice, rate)
     peak = np.abs(samples).max()
@@ -44,11 +48,17 @@ def enrol(voice: Real, rate: int, model: VoiceModel | None = None, *, separated:
         raise AudioError(f"enrolment: expected samples of at most {HIGHEST_PEAK:g} re full scale, got {peak:.3g}")
     if not samples.any():
         raise AudioError(f"enrolment: expected speech, got {len(samples) / rate:.1f} s of silence")
+    if samples.std() <= STEADY * abs(samples.mean()):
+        level = f"{samples.mean():.3g} re full scale"
+        raise AudioError(f"enrolment: expected speech, got {len(samples) / rate:.1f} s of a constant level, {level}")
     if clipped_share(samples) > CLIPPED_SHARE:
         raise AudioError(
             f"enrolment: the recording is clipped ({100 * clipped_share(samples):.1f} % of the samples): "
             "record again at a lower level"
         )
+    frequency, share = strongest_tone(samples, rate)
+    if share > TONE_SHARE:
+        raise AudioError(f"enrolment: expected speech, got a tone of {frequency:.0f} Hz")
     features = analyse(samples, rate)
     if features.seconds < ENROL_SECONDS:
         raise AudioError(
@@ -73,3 +83,21 @@ def clipped_share(samples: Real) -> float:
     flat[:-1] |= middle[1:]
     flat[1:] |= middle[:-1]
     return float(np.mean(flat))
+
+
+def strongest_tone(samples: Real, rate: int) -> tuple[float, float]:
+    """Return the frequency [Hz] at which samples (n,) are strongest, and the share of their power within 5 Hz of it.
+
+    Examples
+    --------
+    A tone of 440 Hz, and another one with half of its power, which is a third of the sum:
+
+    >>> time = np.arange(32000) / 16000
+    >>> tones = np.sin(2 * np.pi * 440 * time) + np.sqrt(0.5) * np.sin(2 * np.pi * 1000 * time)
+    >>> tuple(round(float(value), 2) for value in strongest_tone(tones, 16000))
+    (440.0, 0.67)
+    """
+    spectrum = np.abs(np.fft.rfft((samples - samples.mean()) * np.hanning(samples.size))) ** 2
+    peak, width = int(spectrum.argmax()), max(math.ceil(TONE_HZ * samples.size / rate), 2)  # the window's lobe has 2
+    near = spectrum[max(peak - width, 0) : peak + width + 1]
+    return peak * rate / samples.size, float(near.sum() / max(float(spectrum.sum()), np.finfo(float).tiny))

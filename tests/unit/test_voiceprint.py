@@ -101,6 +101,10 @@ def test_scoring_costs_less_than_20_ms_of_cpu_per_second(ann):
     assert min(costs) < 0.02
 
 
+def tone(frequency):
+    return 0.3 * np.sin(2 * np.pi * frequency * np.arange(4 * RATE) / RATE)
+
+
 def broken(voice, index, value):
     damaged = voice.copy()
     damaged[index] = value
@@ -117,6 +121,10 @@ def broken(voice, index, value):
         (broken(talk(ANN, 4, seed=0), 7, np.nan), "expected finite samples, got 1"),
         (broken(talk(ANN, 4, seed=0), 7, np.inf), "expected finite samples, got 1"),
         (np.clip(talk(ANN, 4, seed=0), -0.1, 0.1), "clipped"),
+        (np.full(4 * RATE, 0.5), "expected speech, got 4.0 s of a constant level, 0.5 re full scale"),
+        (-0.25 + 1e-5 * np.random.default_rng(0).standard_normal(4 * RATE), "of a constant level, -0.25 re full scale"),
+        (tone(440), "expected speech, got a tone of 440 Hz"),
+        (0.3 + tone(123) + 0.01 * np.random.default_rng(0).standard_normal(4 * RATE), "got a tone of 123 Hz"),
         (1e30 * talk(ANN, 4, seed=0), r"expected samples of at most 1e\+06 re full scale, got .*e\+29"),
         (np.zeros((2, 4 * RATE)), "one channel"),
     ],
@@ -141,6 +149,11 @@ def test_a_rate_that_no_recording_has_is_refused_by_its_number(use):
 def test_numbers_that_are_not_finite_are_refused_when_scoring(ann):
     with pytest.raises(AudioError, match="expected finite samples"):
         ann.score(broken(talk(ANN, 3, seed=0), 0, np.nan), RATE)
+
+
+def test_speech_under_a_hum_as_loud_as_it_is_no_tone():
+    voice = talk(ANN, 4, seed=0)
+    enrol(voice + tone(50) * voice.std() / tone(50).std(), RATE)
 
 
 def test_loud_speech_that_is_not_cut_is_not_called_clipped():
