@@ -197,12 +197,15 @@ def advice(config: Config, address: str) -> str:
     <BLANKLINE>
     [[links]]
     url = "udpin:127.0.0.1:14560"
+    >>> still = {"kind": "vehicle_yaw", "options": {"turn_vehicle": False}}
+    >>> print(advice(Config.model_validate({"actuator": still}), "udpin:127.0.0.1:14560").splitlines()[2])
+    options = { turn_vehicle = false }
     """
     kind, options = config.actuator.kind, dict(config.actuator.options)
     if kind not in ON_LINKS:
         return _table(kind, options | {"port": address})
     if kind == VEHICLE_YAW:
-        options |= {"turn_vehicle": True}
+        options.setdefault("turn_vehicle", True)
     alone = kind != VEHICLE_YAW and checked_options(config).role == "manager"
     role = "" if alone else '\nrole = "autopilot"'
     return f'{_table(kind, options)}\n\n[[links]]\nurl = "{address}"{role}'
