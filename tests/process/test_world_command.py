@@ -42,3 +42,24 @@ def test_what_a_world_cannot_do_is_one_line_and_exit_code_2(run, words):
     assert (code, out) == (2, "")
     assert words in err
     assert err.count("\n") == 1
+
+
+def test_speech_to_enrol_from_takes_the_place_of_no_other_file(tmp_path):
+    voice = tmp_path / "voice.wav"
+
+    def world():
+        command = [sys.executable, "-m", "ross_payload.cli", "world", "one-talker", "--json", "--enrolment", voice]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            process.stdout.readline()
+            process.send_signal(signal.SIGINT)
+            _, err = process.communicate(timeout=60)
+        return process.returncode, LATE.sub("", err)
+
+    voice.write_bytes(b"mine")
+    refusal = f"ross: --enrolment: {voice} is there already: delete it, or give another name\n"
+    assert world() == (2, refusal)
+    assert voice.read_bytes() == b"mine"
+    voice.unlink()
+    assert world() == (0, "")
+    assert world() == (0, "")  # the same speech
+    assert list(tmp_path.iterdir()) == [voice]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import threading
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryFile
+from tempfile import TemporaryDirectory
 
 import click
 from threadpoolctl import threadpool_limits
@@ -28,6 +29,7 @@ from ross_sim.sitl.mission_view import waiting
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import talkers_of
 from ross_sim.sitl.world import World
+from ross_sim.talkers.speech import TalkerVoice
 
 URGENCY = 1  # real-time priority of a world: a microphone is never late, but a payload's pump comes first
 
@@ -95,10 +97,19 @@ def _cast(scenario: Scenario, wishes: Wishes) -> Cast:
     with waiting(wishes.as_json, f"{scenario.title}: preparing the voices"):
         cast = scenario.cast(talkers_of(scenario, wishes.speech, None).voices)
     if wishes.enrolment is not None:
-        with refused_as(ConfigError, f"--enrolment {wishes.enrolment}: cannot be written"):
-            TemporaryFile(dir=wishes.enrolment.parent).close()
-        write_wav(wishes.enrolment, cast.target.enrolment, cast.target.rate)
+        _keep_enrolment(wishes.enrolment, cast.target)
     return cast
+
+
+def _keep_enrolment(path: Path, voice: TalkerVoice) -> None:
+    """Write clean speech of the target; a file that is there stays as it is, and must be the same."""
+    with refused_as(ConfigError, f"--enrolment {path}: cannot be written"), TemporaryDirectory(dir=path.parent) as made:
+        part = Path(made) / path.name
+        write_wav(part, voice.enrolment, voice.rate)
+        if not os.path.lexists(path):
+            part.rename(path)
+        elif not path.is_file() or path.read_bytes() != part.read_bytes():
+            raise ConfigError(f"--enrolment: {path} is there already: delete it, or give another name")
 
 
 def later(scenario: Scenario, seconds: float) -> Scenario:
