@@ -12,6 +12,8 @@ from contextlib import ExitStack, contextmanager
 import pytest
 
 from processes import ROSS
+from ross_payload.errors import ConfigError
+from ross_sim.study import dask_engine
 from voice_folders import voice_folder
 from waiting import wait_for
 
@@ -213,3 +215,18 @@ def test_no_scheduler_is_one_line(folder, tmp_path):
     assert done.returncode == 2
     assert re.fullmatch(r"ross: --engine: expected a Dask scheduler at tcp://127\.0\.0\.1:1, got .*\n", done.stderr)
     assert time.monotonic() - began < 60
+
+
+def test_a_scheduler_that_is_waited_for_is_told_before(monkeypatch):
+    monkeypatch.setattr(dask_engine, "CONNECT_TIMEOUT", "1s")
+    said = []
+    engine = dask_engine.cluster("tcp://127.0.0.1:1", 1, dask_engine.Basis(dict, {}), said.append)
+    with pytest.raises(ConfigError, match=r"expected a Dask scheduler at tcp://127\.0\.0\.1:1, got no answer"):
+        next(engine(str, []))
+    assert said == ["connecting to the Dask scheduler at tcp://127.0.0.1:1, for 1 s at most"]
+
+
+def test_a_scheduler_on_a_host_that_nobody_knows_is_not_waited_for():
+    engine = dask_engine.cluster("tcp://nowhere.invalid:8786", 1, dask_engine.Basis(dict, {}), print)
+    with pytest.raises(ConfigError, match=r"at tcp://nowhere\.invalid:8786, got no such host"):
+        next(engine(str, []))

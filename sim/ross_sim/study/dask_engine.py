@@ -10,12 +10,14 @@ from __future__ import annotations
 import contextlib
 import logging
 import signal
+import socket
 import time
 import warnings
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
 from ross_payload.errors import ConfigError, OutputError, RossError
 from ross_payload.plugins import install_line
@@ -94,6 +96,9 @@ def cluster(address: str | None, workers: int, basis: Basis, say: Callable[[str]
         for name in list(logging.root.manager.loggerDict):  # what matters of it is said here
             if name.partition(".")[0] in ("distributed", "tornado"):
                 logging.getLogger(name).setLevel(logging.CRITICAL)
+        if address is not None:
+            _resolve(address)
+            say(f"connecting to the Dask scheduler at {address}, for {CONNECT_TIMEOUT.removesuffix('s')} s at most")
         with contextlib.ExitStack() as stack:
             client = stack.enter_context(_local(workers) if address is None else _remote(address))
             say(f"Dask dashboard: {client.dashboard_link}")
@@ -280,6 +285,15 @@ def _attempted(
     if found is not None:
         return _Refused(get_worker().address, found)
     return [function(task) for task in group]
+
+
+def _resolve(address: str) -> None:
+    """Look whether the host of a scheduler has an address: Dask asks for it again until its time is over."""
+    there = urlsplit(address)
+    try:
+        socket.getaddrinfo(there.hostname, there.port)
+    except (OSError, UnicodeError) as error:
+        raise ConfigError(f"--engine: expected a Dask scheduler at {address}, got no such host: {error}") from error
 
 
 def _remote(address: str) -> Client:
