@@ -1,19 +1,22 @@
 """Pipelined and informed missions in the simulator, as their user runs them."""
 
 import json
+import subprocess
 
 import pytest
 
 from command_line import called_once
+from processes import ROSS
 from short_mission import CHEAP, THREE, brief
 
 pytestmark = [pytest.mark.lockstep, pytest.mark.usefixtures("undrawn")]
 
 
+BRIEF = {"explore": {"lead_in_s": 1.0, "unit_s": 1.0, "max_rotations": 6}, "check_s": 1.0, "run_s": 1.0, **CHEAP}
+
+
 def quick(name, folder):
-    return brief(
-        name, folder, explore={"lead_in_s": 1.0, "unit_s": 1.0, "max_rotations": 6}, check_s=1.0, run_s=1.0, **CHEAP
-    )
+    return brief(name, folder, **BRIEF)
 
 
 @pytest.fixture
@@ -24,6 +27,22 @@ def mission(run, tmp_path):
         return code, json.loads((tmp_path / name / "report.json").read_text())
 
     return fly
+
+
+def test_a_mission_outlives_the_reader_of_its_lines_where_it_writes_files(tmp_path):
+    scenario, out = brief("no-target", tmp_path, **BRIEF), tmp_path / "out"
+
+    def fly(*options):
+        command = [*ROSS, "sitl", "-s", scenario, "--seed", "1", *options]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+            running.stdout.readline()
+            running.stdout.close()
+            return running.wait(120), running.stderr.read()
+
+    gone = "ross: nobody reads the output any more; the mission goes on for what it writes\n"
+    assert fly("--out", out) == (3, gone)
+    assert json.loads((out / "report.json").read_text())["outcome"] == "no_target"
+    assert fly() == (1, "")  # nothing would be left of it
 
 
 def target(report):

@@ -161,7 +161,8 @@ def _run(
     with ResultsFolder(out) if out is not None else nullcontext() as folder, telling:
         with waiting(as_json, f"{chosen.title}: preparing the voices"):
             company = talkers_of(chosen, changes["speech"], changes["target"])
-        view = view_of(as_json, expected(chosen))
+        writes = any(path is not None for path in (out, record, changes["listen"]))
+        view = view_of(as_json, expected(chosen), writes)
         shown = nullcontext() if as_json else showing_streams(view)  # with --json, warnings go to standard error
         try:
             with shown:
