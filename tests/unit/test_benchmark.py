@@ -17,11 +17,13 @@ from click.testing import CliRunner
 from command_line import called, called_once
 from manual import block
 from ross_payload.dsp.metrics import si_sdr
-from ross_sim.study.benchmark import scene_list
+from ross_payload.errors import ConfigError
+from ross_sim.study.benchmark import scene_list, score_estimates
 from ross_sim.study.benchmark.benchmark_rows import BenchmarkLocalization, BenchmarkSeparation
 from ross_sim.study.benchmark.recordings import RATE, Recording, described, found, sha256
 from ross_sim.study.benchmark.scene_list import FILES, ROOMS, RoomLine, drawn, read_list, write_list
 from ross_sim.study.row_files import as_csv, read_rows
+from ross_sim.study.row_manifest import held
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 TALKERS = Path(os.environ.get("ROSS_TALKERS", Path(__file__).parents[3] / "shared" / "talkers"))
@@ -236,7 +238,48 @@ def test_a_build_goes_on_and_other_scenes_are_not_mixed_with_it(lists, audio, tm
     assert "expected an empty folder" in errors
 
 
+def test_a_scene_that_is_no_longer_as_it_was_built_is_built_anew_and_named(lists, audio, tmp_path, ross):
+    begun = tmp_path / "audio"
+    shutil.copytree(audio, begun)
+    (begun / K3[0] / "truth.json").write_text("")
+    (begun / K3[1] / "mixture.wav").unlink()
+    (begun / K3[1] / "notes.txt").touch()
+    build = ("build", "--list", lists, *of(lists / "speech", begun))
+    code, printed, _ = ross(*build)
+    told = f"{begun}: 2 scenes were not as they had been built, and were built anew: {K3[0]}, {K3[1]}\n"
+    assert (code, told in printed) == (0, True)
+    for path in audio.rglob("*"):
+        assert path.is_dir() or (begun / path.relative_to(audio)).read_bytes() == path.read_bytes()
+    assert (begun / K3[1] / "notes.txt").exists()
+    assert "anew" not in ross(*build)[1]
+
+
+def test_two_builds_in_one_folder_are_refused_in_one_line(lists, audio, tmp_path, ross):
+    begun = tmp_path / "audio"
+    shutil.copytree(audio, begun)
+    with held(begun, waits=False):
+        refusal = ross("build", "--list", lists, *of(lists / "speech", begun))
+    assert refusal == (2, "", f"ross: {begun}: another command is writing there\n")
+
+
 # ------------------------------------------------------------------------------------------------ scores
+
+
+def test_scores_of_other_methods_are_read_and_written_while_nobody_else_writes(audio, tmp_path, ross, monkeypatch):
+    rows, read = tmp_path / "rows", []
+
+    def reading(path, kinds):
+        with pytest.raises(ConfigError, match="another command is writing there"), held(rows, waits=False):
+            pass
+        read.append(path)
+        return read_rows(path, kinds)
+
+    monkeypatch.setattr(score_estimates, "read_rows", reading)
+    for name in ("mine", "yours"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "azimuths.json").write_text(json.dumps({TURN: []}))
+        assert scored(ross, audio, tmp_path / name, rows)[0] == 0
+    assert read == [rows / "localization.csv"]
 
 
 def test_estimates_are_scored_as_si_sdr_says_and_a_missing_one_is_0_db(audio, tmp_path, ross):

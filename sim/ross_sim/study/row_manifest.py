@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
-from collections.abc import Collection, Sequence
+import os
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -89,3 +92,24 @@ def claim(rows: Path, wanted: dict[str, Any], later: Collection[str] = ()) -> No
         rows.parent.mkdir(parents=True, exist_ok=True)
         with replacing(path) as part:
             part.write_text(json_text(found | wanted), encoding="utf-8")
+
+
+@contextmanager
+def held(folder: Path, *, waits: bool) -> Iterator[None]:
+    """Write in a folder while nobody else does who holds it; who ``waits`` has its turn after them.
+
+    Raises
+    ------
+    ConfigError
+        When somebody else writes there, and it does not wait.
+    """
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        with suppress(OSError):  # a file system without locks
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | (0 if waits else fcntl.LOCK_NB))
+            except BlockingIOError as error:
+                raise ConfigError(f"{folder}: another command is writing there") from error
+        yield
+    finally:
+        os.close(handle)

@@ -1,7 +1,8 @@
 """Building the audio of the benchmark: every scene a folder with WAV files of 16 bits, and what is known of it as JSON.
 
 Scenes are made as in `ross study` (`mixtures`, `exploration`), with the places of the list. A folder appears whole; a
-build that was stopped goes on when the same command is given again.
+build that was stopped goes on when the same command is given again, and one that had ended makes anew what differs from
+its hashes.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from ross_sim.study.benchmark.scene_list import ALIGNED, RANDOM, SECONDS, TURNIN
 from ross_sim.study.exploration import render
 from ross_sim.study.mixtures import LEAD_IN, record
 from ross_sim.study.room_settings import DISTANCE, SETTINGS, SPACING, SPEED_OF_SOUND, Setting
+from ross_sim.study.row_manifest import held
 
 PEAK = 0.5  # of the loudest sample of a scene, re full scale
 UNIT, STEP_DEG, ORIENTATIONS = 3.0, 30.0, 7  # of a turn: [s], [deg]
@@ -104,15 +106,23 @@ def known_of(scene: BenchmarkScene) -> tuple[dict[str, Any], dict[str, Any]]:
     return {**common, "heading_deg": scene.heading_deg, **known}, truth
 
 
+@dataclass(frozen=True, slots=True)
+class Built:
+    """What a build has come to."""
+
+    scenes: int
+    mended: tuple[str, ...]  # scenes whose files were no longer those of an earlier build, and were made anew
+
+
 def build(
     scenes: SceneList, recordings: Path, out: Path, *, quick: bool = False, done: Callable[[str], None] = lambda _: None
-) -> int:
-    """Build every scene that is not there yet; returns how many scenes there are.
+) -> Built:
+    """Build every scene that is not there yet, or no longer as it was built.
 
     Raises
     ------
     ConfigError
-        When recordings are missing or differ, or the folder holds something else.
+        When recordings are missing or differ, the folder holds something else, or another build writes there.
     OutputError
         When it cannot be written.
     """
@@ -121,15 +131,21 @@ def build(
     voices = found(recordings, [each for each in scenes.recordings if each.utterance in needed])
     names, sources = [scene.name for scene in wanted], {f"{each.corpus}, {each.licence}" for each in scenes.recordings}
     _open(out, {"sources": sorted(sources), "list": scenes.fingerprint, "quick": quick, "scenes": names})
-    with refused_as(OutputError, f"{out}: cannot be written"), threadpool_limits(1):
+    with refused_as(OutputError, f"{out}: cannot be written"), held(out, waits=False), threadpool_limits(1):
+        before, sums, mended = _sums(out), list[str](), list[str]()
         for scene in wanted:
-            if not (out / scene.name).is_dir():
-                _write(out, scene, sounds_of(scene, voices))
+            there = _hashed(out, scene.name)
+            own = before.get(scene.name, []) if before else there
+            if not own or not set(own) <= set(there):
+                ours = _write(out, scene, sounds_of(scene, voices))
+                own = [line for line in _hashed(out, scene.name) if line.rpartition("/")[2] in ours]
+                if before:
+                    mended.append(scene.name)
+            sums += own
             done(scene.name)
-        lines = [f"{_sha256(path)}  {path.relative_to(out)}\n" for scene in wanted for path in _files(out / scene.name)]
         with replacing(out / SUMS) as path:
-            path.write_text("".join(lines), encoding="utf-8")
-    return len(wanted)
+            path.write_text("".join(f"{line}\n" for line in sums), encoding="utf-8")
+    return Built(len(wanted), tuple(mended))
 
 
 def built(out: Path) -> list[Path]:
@@ -181,8 +197,9 @@ def _open(out: Path, manifest: dict[str, Any]) -> None:
             part.write_text(json.dumps(manifest) + "\n", encoding="utf-8")
 
 
-def _write(out: Path, scene: BenchmarkScene, sounds: Mapping[str, Real]) -> None:
-    part = out / f".{PART}-{scene.name}"
+def _write(out: Path, scene: BenchmarkScene, sounds: Mapping[str, Real]) -> set[str]:
+    """Write a scene: a folder that appears whole, or files in one that is there, beside others; return their names."""
+    part, folder = out / f".{PART}-{scene.name}", out / scene.name
     shutil.rmtree(part, ignore_errors=True)
     part.mkdir()
     try:
@@ -190,9 +207,30 @@ def _write(out: Path, scene: BenchmarkScene, sounds: Mapping[str, Real]) -> None
             write_wav(part / name, sound)
         for name, values in zip((SCENE, TRUTH), known_of(scene), strict=True):
             (part / name).write_text(json_text(values), encoding="utf-8")
-        part.rename(out / scene.name)
+        written = _files(part)
+        if folder.is_dir():
+            for path in written:
+                path.replace(folder / path.name)
+        else:
+            part.rename(folder)
     finally:
         shutil.rmtree(part, ignore_errors=True)
+    return {path.name for path in written}
+
+
+def _sums(out: Path) -> dict[str, list[str]]:
+    """The lines of an earlier build that has ended about every scene; none when there was none."""
+    lines = dict[str, list[str]]()
+    if (out / SUMS).is_file():
+        for line in (out / SUMS).read_bytes().decode("utf-8", "replace").splitlines():
+            lines.setdefault(line.partition("  ")[2].partition("/")[0], []).append(line)
+    return lines
+
+
+def _hashed(out: Path, scene: str) -> list[str]:
+    """What the list of hashes has to say about the files of a scene; nothing of one that is not there."""
+    folder = out / scene
+    return [f"{_sha256(path)}  {scene}/{path.name}" for path in _files(folder)] if folder.is_dir() else []
 
 
 def write_wav(path: Path, sound: Real) -> None:

@@ -30,8 +30,11 @@ def build_command(*, recordings: Path, out: Path, lists: Path | None, quick: boo
 
     scenes = read_list(lists)
     with _Shown(len(scenes.scenes(quick))) as view:
-        n = build(scenes, recordings, out, quick=quick, done=view.done)
-    click.echo(f"{out}: {n} scenes; hashes of all files are in {SUMS}")
+        made = build(scenes, recordings, out, quick=quick, done=view.done)
+    if made.mended:
+        names = ", ".join(made.mended[:3]) + (", ..." if len(made.mended) > 3 else "")
+        click.echo(f"{out}: {len(made.mended)} scenes were not as they had been built, and were built anew: {names}")
+    click.echo(f"{out}: {made.scenes} scenes; hashes of all files are in {SUMS}")
     return 0
 
 

@@ -32,6 +32,7 @@ from ross_sim.study.benchmark.build_audio import MANIFEST, MIXTURE, REFERENCE, T
 from ross_sim.study.benchmark.methods import AZIMUTHS, HeardScene, Truth, scenes_of
 from ross_sim.study.exploration import matched
 from ross_sim.study.row_files import as_csv, read_rows
+from ross_sim.study.row_manifest import held
 from ross_sim.study.study_store import difference
 from ross_sim.study.tables import Table
 
@@ -146,8 +147,10 @@ def kept(rows: Sequence[Row], out: Path, audio: Path) -> list[Table]:
         When it cannot be written.
     """
     tables = []
-    _claim(out, {name: json_of(audio / MANIFEST).get(name) for name in ("list", "quick")})
     with refused_as(OutputError, f"{out}: cannot be written"):
+        out.mkdir(parents=True, exist_ok=True)
+    with refused_as(OutputError, f"{out}: cannot be written"), held(out, waits=True):
+        _claim(out, {name: json_of(audio / MANIFEST).get(name) for name in ("list", "quick")})
         for stem, (kind, table) in KINDS.items():
             path = out / f"{stem}.csv"
             old = read_rows(path, [kind])[1] if path.exists() else []
@@ -167,10 +170,8 @@ def _claim(out: Path, scenes: dict[str, Any]) -> None:
     """Take a folder for scores of some scenes; scores of others would count as theirs."""
     path = out / SCENES
     if not any((out / f"{stem}.csv").exists() for stem in KINDS):
-        with refused_as(OutputError, f"{out}: cannot be written"):
-            out.mkdir(parents=True, exist_ok=True)
-            with replacing(path) as part:
-                part.write_text(json_text(scenes), encoding="utf-8")
+        with refused_as(OutputError, f"{out}: cannot be written"), replacing(path) as part:
+            part.write_text(json_text(scenes), encoding="utf-8")
         return
     if not path.exists():
         raise ConfigError(f"--out {out}: holds scores, and no {SCENES} that says of what; choose another folder")
