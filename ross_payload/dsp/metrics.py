@@ -98,6 +98,7 @@ def _centred(signal: Real, name: str) -> Real:
         raise AudioError(f"SI-SDR {name}: expected one channel with samples, got shape {values.shape}")
     if not np.isfinite(values).all():
         raise AudioError(f"SI-SDR {name}: expected finite samples, got NaN or infinity")
+    values = np.ldexp(values, -np.frexp(np.abs(values).max())[1])  # exact, and no square overflows or is 0
     centred = values - values.mean()
     if np.abs(centred).max() <= 1e-12 * np.abs(values).max():
         raise AudioError(f"SI-SDR {name}: expected sound, got silence")

@@ -282,6 +282,16 @@ def test_scores_of_other_methods_are_read_and_written_while_nobody_else_writes(a
     assert read == [rows / "localization.csv"]
 
 
+@pytest.mark.parametrize("gain", [1e-200, 1e200])
+def test_the_gain_of_an_estimate_does_not_matter(audio, tmp_path, ross, gain):
+    mixture = sound(audio / K3[0] / "mixture.wav")[0]
+    (tmp_path / "mine").mkdir()
+    soundfile.write(tmp_path / "mine" / f"{K3[0]}.wav", gain * mixture, RATE, subtype="DOUBLE")
+    assert scored(ross, audio, tmp_path / "mine", tmp_path / "rows")[0] == 0
+    row = rows_of(tmp_path / "rows" / "separation.csv", BenchmarkSeparation)[K3[0]]
+    assert (row.si_sdri_db, row.missing) == (0.0, False)
+
+
 def test_estimates_are_scored_as_si_sdr_says_and_a_missing_one_is_0_db(audio, tmp_path, ross):
     target = json_file(audio / K3[0] / "scene.json")["target"]
     reference, mixture = sound(audio / K3[0] / f"reference-{target}.wav")[0], sound(audio / K3[0] / "mixture.wav")[0]
