@@ -15,7 +15,7 @@ from ross_sim.study.noise_rows import NoiseRow, noises
 from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings, scene
 from ross_sim.study.noise_study import SHORT, Design, conduct_noise, tonal_of
 from ross_sim.study.row_files import read_rows
-from ross_sim.study.row_manifest import RECORDED, claim
+from ross_sim.study.row_manifest import RECORDED, alone_with, claim
 
 VOICES = [np.random.default_rng(n).standard_normal(4 * RATE).astype(np.float32) for n in range(3)]
 
@@ -165,6 +165,19 @@ def test_rows_of_another_separator_are_refused_and_those_there_stay(tmp_path, sp
     with pytest.raises(ConfigError, match="holds rows of another study"):
         conduct_noise(replace(DESIGN, separator="duet"), out=tmp_path / "out", speech=speech, noise=None)
     assert (tmp_path / "out" / "rows.csv").read_bytes() == before
+
+
+@pytest.mark.parametrize("study", ["noise", "above", "calibration"])
+def test_two_commands_that_add_to_one_file_are_refused_in_one_line(tmp_path, speech, run, study):
+    out = tmp_path / "out"
+    rows = out / "rows.csv"
+    with alone_with(rows):
+        refusal = run("study", study, "--out", out if study == "noise" else rows, "--speech", speech)
+    told = f"ross: --out {rows}: another command is adding rows to it\n"
+    assert refusal == (2, "", told)
+    assert not list(out.iterdir())
+    with alone_with(rows):  # as after a kill
+        pass
 
 
 def test_recordings_of_noise_may_come_later_but_not_others(tmp_path):

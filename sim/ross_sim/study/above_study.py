@@ -39,7 +39,7 @@ from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings
 from ross_sim.study.noise_study import LONG, SHORT, TALKERS
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.row_manifest import basis_in_noise, claim
+from ross_sim.study.row_manifest import alone_with, basis_in_noise, claim
 from ross_sim.study.talker_placement import standard_voices
 
 RUN = 10.0  # [s]
@@ -170,9 +170,9 @@ def conduct_above(design: AboveDesign, *, out: Path, speech: Path, noise: Path |
     voices, clips = [voice.speech for voice in talkers], [] if noise is None else recordings(noise)
     asked = {"rotors": rotors_of(clips), "ground": design.ground, "seed": design.seed}
     wanted = basis_in_noise(asked, talkers, clips, design.separator)
-    claim(out, wanted)
-    found: list[AboveRow] = read_rows(out, [AboveRow])[1] if out.exists() else []
-    with threadpool_limits(1):
+    with alone_with(out), threadpool_limits(1):
+        claim(out, wanted)
+        found: list[AboveRow] = read_rows(out, [AboveRow])[1] if out.exists() else []
         for new in rows(design, voices, clips, found):
             names = {_key(row) for row in new}
             found = [row for row in found if _key(row) not in names] + new

@@ -33,7 +33,7 @@ from ross_sim.study.calibration_rows import CalibrationRow, calibrations
 from ross_sim.study.missions_run import CODE as MISSIONS
 from ross_sim.study.room_settings import SETTINGS, check_rooms
 from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.row_manifest import claim
+from ross_sim.study.row_manifest import alone_with, claim
 from ross_sim.study.study_store import Code, basis_of
 from ross_sim.study.talker_placement import heard_as
 from ross_sim.talkers.speech import TalkerVoice
@@ -174,14 +174,15 @@ def conduct(
             raise ConfigError(unknown("sound", name, (NOISE, TALKER)))
     talkers = voices_of(speech, RATE)
     asked = {"settings": settings, "sounds": sounds, "draws": draws, "seed": seed}
-    claim(out, {"asked": asked} | basis_of(heard_as(talkers), CODE))
-    made: list[CalibrationRow] = read_rows(out, [CalibrationRow])[1] if out.exists() else []
-    for row in rows(settings, sounds, draws, seed, talkers, done=len(made)):
-        made.append(row)
-        said = row.refused or f"spacing {row.spacing_error_mm:+.2f} mm, offset {row.offset_error_deg:+.2f} deg"
-        click.echo(f"{row.setting} {row.sound} {row.draw}: {said}", err=True)
-        with refused_as(OutputError, f"{out}: cannot be written"), replacing(out) as part:
-            part.write_bytes(as_csv(made, CalibrationRow))
+    with alone_with(out):
+        claim(out, {"asked": asked} | basis_of(heard_as(talkers), CODE))
+        made: list[CalibrationRow] = read_rows(out, [CalibrationRow])[1] if out.exists() else []
+        for row in rows(settings, sounds, draws, seed, talkers, done=len(made)):
+            made.append(row)
+            said = row.refused or f"spacing {row.spacing_error_mm:+.2f} mm, offset {row.offset_error_deg:+.2f} deg"
+            click.echo(f"{row.setting} {row.sound} {row.draw}: {said}", err=True)
+            with refused_as(OutputError, f"{out}: cannot be written"), replacing(out) as part:
+                part.write_bytes(as_csv(made, CalibrationRow))
     click.echo(calibrations(made).body())
     return 0
 

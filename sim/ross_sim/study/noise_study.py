@@ -51,7 +51,7 @@ from ross_sim.study.noise_scenes import (
 )
 from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.row_manifest import RECORDED, basis_in_noise, claim
+from ross_sim.study.row_manifest import RECORDED, alone_with, basis_in_noise, claim
 from ross_sim.study.talker_placement import standard_voices
 
 RUN = 10.0  # [s]
@@ -239,14 +239,14 @@ def conduct_noise(design: Design, *, out: Path, speech: Path, noise: Path | None
     path, wanted = out / "rows.csv", basis_in_noise({}, talkers, clips, design.separator)
     if "recorded" not in design.kinds:
         del wanted[RECORDED]
-    claim(path, wanted, later=(RECORDED,))
-    found: list[NoiseRow] = read_rows(path, [NoiseRow])[1] if path.exists() else []
-    with threadpool_limits(1):
+    with alone_with(path), threadpool_limits(1):
+        claim(path, wanted, later=(RECORDED,))
+        found: list[NoiseRow] = read_rows(path, [NoiseRow])[1] if path.exists() else []
         for new in rows(design, voices, clips, found):
             found += new
             _write(path, as_csv(found, NoiseRow))
-    text = noises(found).body() + "\n"
-    _write(out / "table.md", text.encode())
+        text = noises(found).body() + "\n"
+        _write(out / "table.md", text.encode())
     sys.stdout.write(text)
     return 0
 

@@ -113,3 +113,33 @@ def held(folder: Path, *, waits: bool) -> Iterator[None]:
         yield
     finally:
         os.close(handle)
+
+
+@contextmanager
+def alone_with(rows: Path) -> Iterator[None]:
+    """Add rows to a file while nobody else does: who writes it whole after every row would lose those of others.
+
+    Raises
+    ------
+    ConfigError
+        When another command adds rows to it, or its folder cannot be written.
+    """
+    expect_writable(rows)
+    path, told = rows.with_name(f".{rows.name}.lock"), f"--out {rows}: another command is adding rows to it"
+    with refused_as(ConfigError, f"--out {rows}: cannot be written"):
+        rows.parent.mkdir(parents=True, exist_ok=True)
+        handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o666)
+    try:
+        with suppress(OSError):  # a file system without locks
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                raise ConfigError(told) from error
+        if not path.exists() or not os.path.samestat(os.fstat(handle), path.stat()):  # its holder has just ended
+            raise ConfigError(told)
+        try:
+            yield
+        finally:
+            path.unlink(missing_ok=True)
+    finally:
+        os.close(handle)
