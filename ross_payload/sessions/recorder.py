@@ -33,6 +33,10 @@ DRAIN_PERIOD_S = 0.2  # [s] between two looks at the queue
 TIDY_PERIOD_S = 5.0  # [s] of audio between two looks at what is left of the disk
 IDLE_TIDY_PERIOD_S = 3600.0  # [s] between two looks for what is too old, while nothing is recorded
 SLOW = f"the disk is too slow: {BACKLOG_S:.0f} s of audio wait for it"
+SHARED = (
+    "recording.folder: another payload records into %s: max_gb and max_days hold for the sessions of both, the oldest "
+    "of either are deleted; give each a folder of its own"
+)
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 Begin = Callable[[], Beginning | None]  # None while a task runs
@@ -240,6 +244,8 @@ class Recorder:
             self._store.discard(folder)
             raise
         recording.tidied = -TIDY_PERIOD_S
+        if any(kept.running and kept.path != folder for kept in self._store.all()):
+            log.warning(SHARED, self._store.folder)
 
     def _look_after(self, recording: OngoingRecording) -> None:
         writer = recording.writer

@@ -40,6 +40,19 @@ print(status.state, status.reason, sep="|")
     assert len(list(only(tmp_path).inputs(Config().audio))) == found.inputs
 
 
+def test_a_payload_that_records_where_another_does_says_so(tmp_path, caplog):
+    with recording(tmp_path) as first, recording(tmp_path) as second:
+        first.on_input(input_of(0))
+        first.drain()
+        assert caplog.messages == []
+        second.on_input(input_of(0))
+        second.drain()
+        told = f"recording.folder: another payload records into {tmp_path}: max_gb and max_days hold for"
+        assert [message.startswith(told) for message in caplog.messages] == [True]
+    record(tmp_path, [input_of(0)])
+    assert len(caplog.messages) == 1
+
+
 def test_a_recording_that_cannot_be_closed_is_told_and_another_can_begin(tmp_path, monkeypatch):
     def broken(*_):
         raise ValueError("a bug")
