@@ -151,6 +151,12 @@ def test_every_room_has_the_same_layouts_and_talkers(source):
     assert dry.names == wet.names
 
 
+def test_a_study_that_no_memory_holds_is_refused():
+    assert len(tasks(study(layouts=20_000))) == 20_001 * (2 + 3 + 3)
+    with pytest.raises(ConfigError, match="expected a study of at most 200000 tasks, got 800000008: fewer layouts"):
+        study(layouts=100_000_000)
+
+
 def test_too_few_or_too_short_voices_are_refused(source):
     voices = voices_of(source)
     with pytest.raises(ConfigError, match="expected 4 talkers for K = 4, got 3"):

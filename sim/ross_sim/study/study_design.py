@@ -28,6 +28,7 @@ Frame = Annotated[int, Field(ge=128, le=8192, multiple_of=2)]
 Overlap = Annotated[float, Field(ge=0.25, le=0.9)]
 Seed = Annotated[int, Field(ge=0, lt=2**62)]  # rows have 64 bits for it, also when draws count on from there
 SLOWEST_DEG_S = 5.0  # of a payload that turns without a pause
+MOST_TASKS = 200_000  # of a study: all of them are held in memory, and put in order, before the first one begins
 STOP = "stop"  # the schedule that ends where the explorer is certain
 
 
@@ -145,6 +146,18 @@ class Task:
 def tasks(study: Study) -> list[Task]:
     """Every task of a study once, in the order of its axes."""
     return [task for scene in _scenes(study) for task in _tasks(study, *scene)]
+
+
+def n_tasks(study: Study) -> int:
+    """How many tasks a study has.
+
+    >>> study = Study(settings=("S1",), k=(2, 3), layouts=1, starts=4, separators=("duet",), explorers=("joint",))
+    >>> n_tasks(study), len(tasks(study))
+    (42, 42)
+    """
+    explorations = study.starts * len(study.explorers) * len(study.unit_s) * len(study.turning_deg_s)
+    known = sum(study.k) + len(study.k) * study.starts if study.separators else 0
+    return len(study.settings) * (study.layouts + study.paper_layout) * (known + len(study.k) * explorations)
 
 
 def mixed(tasks: Iterable[AnyTask]) -> list[AnyTask]:
@@ -283,6 +296,8 @@ def check_names(study: Study) -> None:
         raise ConfigError("expected at least one separator or explorer, got neither")
     if not study.paper_layout and not study.layouts:
         raise ConfigError("layouts: expected at least one, got 0")
+    if n_tasks(study) > MOST_TASKS:
+        raise ConfigError(f"expected a study of at most {MOST_TASKS} tasks, got {n_tasks(study)}: fewer layouts, say")
     if study.paper_layout and max(study.k) > 5:
         raise ConfigError(
             f"k: expected at most 5, the talkers of the paper's layout, or paper_layout = false, got {max(study.k)}"
