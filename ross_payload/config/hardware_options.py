@@ -13,6 +13,8 @@ Channel = Annotated[int, Field(ge=0, le=63)]
 Decibels = Annotated[float, Field(ge=-60, le=60)]
 Metres = Annotated[float, Field(ge=-10, le=10, allow_inf_nan=False)]
 
+Age = Annotated[float, Field(gt=0, le=60)]  # at which a report is too old [s]; more are milliseconds, most likely
+
 NEAREST_M = 0.1  # a rotor to the array
 
 
@@ -103,8 +105,8 @@ class Guard(Table):
     upper_deg: Degrees = 200.0  # highest joint angle, never above the hardware's
     max_speed_deg_s: Positive = 225.0  # no move is faster
     max_acceleration_deg_s2: Positive = 112.5  # no move accelerates or brakes harder
-    max_move_s: Positive = 30.0  # a move that takes longer is a fault [s]
-    watchdog_s: Positive = 0.5  # feedback that is older than this while moving is a fault [s]
+    max_move_s: Annotated[float, Field(gt=0, le=3600)] = 30.0  # a move that takes longer is a fault [s]
+    watchdog_s: Age = 0.5  # feedback that is older than this while moving is a fault [s]
     on_fault: Literal["hold", "release", "park"] = (
         "hold"  # hold: stay energised; release: let go; park: go to park_deg, then hold
     )
@@ -128,7 +130,7 @@ class Mount(Table):
     yaw_deg: Degrees | None = (
         None  # of a fixed base, clockwise from north as on a compass; absent: unknown, mount frame
     )
-    fresh_s: Positive = 0.5  # an older attitude counts as unknown
+    fresh_s: Age = 0.5  # an older attitude counts as unknown
     follow_deg: Annotated[float, Field(ge=0.1, le=45)] = 2.0  # while listening, turn at a larger heading error
     height_m: Annotated[float, Field(ge=0, le=500)] | Literal["autopilot"] | None = (
         None  # of the array above the mouths of those who talk; "autopilot": above home, less 1.6 m; absent: not known

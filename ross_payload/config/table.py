@@ -15,8 +15,9 @@ from pydantic_core import ErrorDetails
 from ross_payload.bounded_files import parsed_toml, read_bounded
 from ross_payload.errors import ConfigError, near, shown
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Degrees = Annotated[float, Field(allow_inf_nan=False)]
+LARGEST = 1e9  # of a quantity that has no other bound
+Positive = Annotated[float, Field(gt=0, le=LARGEST)]
+Degrees = Annotated[float, Field(ge=-36_000, le=36_000)]  # a hundred turns
 Model = TypeVar("Model", bound=BaseModel)
 KIND = re.compile(r".*\[.*|(constrained-)?(bool|float|int|str)")  # among several, in pydantic's path to a value
 BEGINNINGS = {"be": "expected ", "have": "expected "}

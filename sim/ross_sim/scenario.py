@@ -50,11 +50,14 @@ class Room(Table):
         return size
 
 
+CountedOn = Annotated[float, Field(allow_inf_nan=False)]  # an azimuth of somebody who may walk round and round [deg]
+
+
 class WayPoint(Table):
     """[[talkers.path]]: where a talker is at one time; on a straight line in these numbers in between."""
 
     at_s: Annotated[float, Field(gt=0, allow_inf_nan=False)]  # the talker leaves the place before as that is reached
-    azimuth_deg: Degrees  # counted on: 190 is reached past 180, -170 the other way round
+    azimuth_deg: CountedOn  # 190 is reached past 180, -170 the other way round
     distance_m: Distance | None = None  # absent: as before
     height_m: Positive | None = None  # absent: as before
 

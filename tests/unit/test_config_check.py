@@ -75,6 +75,14 @@ BAD = {
     "options = { max_lag_deg = 1e9 }\n",
     "a drive whose home lies outside its travel": "[actuator]\nkind = 'canopen_drive'\n"
     "options = { homing = 'here', zero_deg = 720.0 }\n",
+    "a travel that no drive counts": "[actuator]\nkind = 'canopen_drive'\noptions = { upper_deg = 1e308 }\n",
+    "a zero that no drive counts": "[actuator]\nkind = 'canopen_drive'\noptions = { zero_deg = -1e308 }\n",
+    "a speed that no drive counts": "[actuator]\nkind = 'canopen_drive'\noptions = { max_speed_deg_s = 1e308 }\n",
+    "a gear that no motor has": "[actuator.options]\ngear_ratio = 1e308\n",
+    "a watchdog in milliseconds": "[guard]\nwatchdog_s = 500\n",
+    "an attitude in milliseconds": "[mount]\nfresh_s = 500\n",
+    "a move without an end": "[guard]\nmax_move_s = 30000\n",
+    "a heading of a thousand turns": "[mount]\nyaw_deg = 360000\n",
     "a switch for one of some numbers": "[actuator]\noptions = { microsteps = true }\n",
     "too little travel to turn without a pause": "[explore]\ncontinuous = true\n[actuator]\nkind = 'canopen_drive'\n"
     "options = { lower_deg = -20.0, upper_deg = 20.0 }\n",
