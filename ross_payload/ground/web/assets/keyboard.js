@@ -1,12 +1,13 @@
 /** The keyboard of the whole page. Views add their own keys where they have focus. */
 
+import { closeEnrolment } from "./parts/enrolment.js";
 import { stopTargets } from "./stop.js";
 
 const TWICE = 1000; // [ms] between two presses of Escape that stop
 
 /**
  * Escape twice within a second, or held, stops: it types nothing, so that it works in every field. `?` shows the help.
- * A first Escape gives up a drag, else closes the help.
+ * A first Escape gives up a drag, and closes the help and the form of an enrolment.
  */
 export function pressed(page, event) {
   if (event.key === "Escape") escape(page, event);
@@ -14,13 +15,15 @@ export function pressed(page, event) {
 }
 
 function escape(page, event) {
+  closeEnrolment();
   const again = event.repeat || event.timeStamp - page.ui.lastEscape < TWICE;
   if (again && !(event.repeat && page.ui.lastEscape < 0)) {
     page.stop(stopTargets(page));
     page.change({ lastEscape: -Infinity, drag: null }); // a held key stops once
     return;
   }
-  if (!event.repeat) page.change({ lastEscape: event.timeStamp, drag: null, help: false });
+  if (event.repeat) return;
+  page.change({ lastEscape: event.timeStamp, drag: null, help: false });
 }
 
 function isTyping(element) {

@@ -15,8 +15,11 @@ export const enrolButton = (page, source) =>
 
 function opened(page, source) {
   page.change({ enrolling: source });
-  requestAnimationFrame(() => requestAnimationFrame(() => document.getElementById("enrolment")?.showModal()));
+  requestAnimationFrame(() => requestAnimationFrame(() => document.getElementById("enrolment")?.show())); // not modal: the stop stays in reach
 }
+
+/** Close the dialog, if it is there. */
+export const closeEnrolment = () => document.getElementById("enrolment")?.close();
 
 /** The dialog; nothing while nobody is to be enrolled. */
 export function enrolment(page, told) {
@@ -45,7 +48,7 @@ export function enrolment(page, told) {
       /></label>
       <div class="buttons">
         <button type="submit" class="main">Enrol</button>
-        <button type="button" @click=${(event) => event.target.closest("dialog").close()}>Cancel</button>
+        <button type="button" @click=${closeEnrolment}>Cancel</button>
       </div>
     </form>
   </dialog>`;
