@@ -2,6 +2,7 @@
 
 import pytest
 
+from browsing import eventually
 from fleet_bench import FleetThread
 from page_eyes import sees, violations, watch
 from served_ground import served
@@ -12,6 +13,30 @@ IN_REACH = f"""() => {{
   const {{ left, top, width, height }} = {HERE}.getBoundingClientRect();
   return document.elementFromPoint(left + width / 2, top + height / 2)?.closest(".stop-button") === {HERE};
 }}"""
+FATES = """async ([stop, rows, orders, stopping]) => {
+  const { stopFate } = await import("/assets/stop.js");
+  const ui = { stop: { ids: ["1-191"], stopped: [], ...stop, at: performance.now() - stop.ago } };
+  const fleet = { payloads: rows.map((each) => ({ id: "1-191", ...each })), stopping };
+  return stopFate({ ui, store: { fleet, payload: orders && { id: "1-191", sections: { orders } } } }).words;
+}"""
+BANNERS = """async ([state, orders, stopping]) => {
+  const { banners } = await import("/assets/parts/banners.js");
+  const { commandStatus } = await import("/assets/parts/command-status.js");
+  const { render } = await import("/assets/templates.js");
+  const now = performance.now();
+  const payload = { id: "1-191", now: 9, got: now, sections: { orders, standing: { state, last: 9 } } };
+  const fleet = { payloads: [{ id: "1-191", state, last: 9 }], stopping, now: 9, links: [] };
+  const page = {
+    store: { payload, fleet, fleetGot: now, refusals: [], mode: "live" }, socket: { up: true, ever: true, since: now },
+    route: { view: "payload", id: "1-191" }, now: () => 9, silence: () => 0, over: "", commandsBlocked: null,
+  };
+  return [banners(page), commandStatus(page, payload)].map((each) => {
+    const box = document.createElement("div");
+    render(each, box);
+    return box.textContent.replace(/\\s+/g, " ").trim();
+  });
+}"""
+OTHERWISE, RANGE = "stop it by other means", "check that it is in range"
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +48,10 @@ def crew(browser):
 @pytest.fixture
 def page(crew, open_page):
     return watch(open_page, crew[0].url)
+
+
+def unanswered():
+    return [{"number": 1, "words": "stop", "state": "no_answer", "reason": RANGE, "since": 2.0, "at": 4.2}]
 
 
 def test_the_stop_is_in_reach_while_a_talker_is_to_be_enrolled(page):
@@ -50,3 +79,52 @@ def test_the_stop_is_in_reach_while_a_talker_is_to_be_enrolled(page):
     sees(page, "Stopped", ".payload-title")
     page.get_by_role("dialog").get_by_role("button", name="Cancel").click()
     page.get_by_role("button", name="Rearm", exact=True).click()
+
+
+def test_stopped_is_told_no_longer_once_a_payload_is_armed_again(page, crew, open_page):
+    other = open_page(crew[0].url)
+    page.get_by_role("button", name="Take control").click()
+    for one in (page, other):
+        one.get_by_role("button", name="Stop 1-191").click()
+        sees(one, "Stopped", ".stop-fate")
+    sees(page, "Stopped", ".payload-title")
+    sees(other, "Stopped", ".fleet .state")
+    page.get_by_role("button", name="Rearm", exact=True).click()
+    page.get_by_role("button", name="Explore", exact=True).click()
+    for one in (page, other):
+        eventually(one, lambda one=one: not one.locator(".stop-fate").count(), 4.0)
+
+
+def test_a_stop_whose_acknowledgement_is_lost_is_stopped_when_telemetry_says_so(page):
+    stop = {"ago": 20_000, "now": 2.0}
+
+    def fate(rows, stopping):
+        return page.evaluate(FATES, [stop, rows, unanswered(), stopping])
+
+    assert fate([{"state": "stopped", "last": 3.0}], ["1-191"]) == "Stopped"
+    assert fate([{"state": "stopped", "last": 1.0}], []) == f"No answer: {OTHERWISE}"  # of before the stop
+    assert fate([{"state": "run", "last": 3.0}], ["1-191"]) == f"No answer, still being sent: {OTHERWISE}"
+
+
+def test_a_stop_of_another_page_says_whether_it_is_still_being_sent(page):
+    stop = {"ago": 20_000, "now": 2.0}
+
+    def fate(rows, stopping):
+        return page.evaluate(FATES, [stop, rows, None, stopping])
+
+    assert fate([{"state": "run", "last": 3.0}], ["1-191"]) == f"1-191 has not stopped, still being sent: {OTHERWISE}"
+    assert fate([{"state": "run", "last": 3.0}], ["2-191"]) == f"1-191 has not stopped: {OTHERWISE}"
+    assert fate([], ["1-191"]) == f"No telemetry from 1-191, still being sent: {OTHERWISE}"
+
+
+def test_a_stop_without_an_answer_is_a_notice_only_while_the_payload_has_not_stopped(page):
+    def told(state, stopping):
+        return page.evaluate(BANNERS, [state, unanswered(), stopping])
+
+    banner, commands = told("run", ["1-191"])
+    assert banner == "No answer: stop. It is still being sent. Check that it is in range."
+    assert "no answer, still being sent: check that it is in range" in commands
+    banner, commands = told("run", [])
+    assert banner == "No answer: stop. Check that it is in range."
+    assert "still being sent" not in commands
+    assert told("stopped", ["1-191"])[0] == ""

@@ -86,6 +86,11 @@ class CommandProtocol:
         """The latest orders, newest last."""
         return tuple(self._doing.values())
 
+    @property
+    def stopping(self) -> frozenset[ComponentId]:
+        """The payloads to which a stop is sent that they have not acknowledged."""
+        return frozenset(one.who for one in self._open.values() if self._goes_unheard(one))
+
     def order(self, who: ComponentId, order: Order) -> int:
         """Order something at once; return the number of what becomes of it.
 
@@ -137,7 +142,7 @@ class CommandProtocol:
         if restarted or peer.boots is None:
             for one in [one for one in self._of(payload.who) if self._goes_unheard(one)]:
                 one.sent, one.due = min(one.sent, 1), self._now  # all its tries are before it
-        peer.boots = payload.boots
+        peer.on_state(payload)
 
     def on_packet(self, packet: Packet, now: float) -> None:
         """Take a packet; what is no answer passes by."""
@@ -212,7 +217,7 @@ class CommandProtocol:
         elif one.answered is None:
             tries_left = one.sent <= times
             if not tries_left and self._peer(one.who).boots is not None:  # one never heard may be heard any moment
-                self._tell(one, NO_ANSWER, NOT_ANSWERED)
+                self._tell(one, NO_ANSWER, self._why_unanswered(one))
             self._send_order(one) if tries_left or self._now < one.lasts else self._give_up(one)
         elif self._now - one.answered > DEDUP_S:
             self._give_up(one)
@@ -251,7 +256,11 @@ class CommandProtocol:
             return
         one.over, one.due = True, math.inf
         one.unheard = one.unheard or one.answered is None
-        self._tell(one, NO_ANSWER, reason or (NOT_ANSWERED if one.answered is None else NO_RESULT))
+        self._tell(one, NO_ANSWER, reason or (self._why_unanswered(one) if one.answered is None else NO_RESULT))
+
+    def _why_unanswered(self, one: OpenCommand) -> str:
+        doing = self._doing.get(one.number)
+        return NOT_ANSWERED if doing is None else self._peer(one.who).why_unanswered(doing)
 
     # ------------------------------------------------------------------------------------------------ hearing
 

@@ -26,6 +26,7 @@ ENDS = {
 OVER = frozenset((DONE, REFUSED, FAILED, CANCELLED, NO_ANSWER))
 DEFAULT_REASONS = frozenset(reason for _, reason in ENDS.values())
 NOT_ANSWERED = "check that it is in range, that it accepts this station ([[links]] accept), and the signing key"
+HAS_STOPPED = "its telemetry says that it has stopped"
 NO_RESULT = "the result was not received: check the payload's state"
 REPLACED = "replaced by another command"
 RESTARTED = "the payload restarted"

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from ross_payload.ground.client.command_status import DONE
+from ross_payload.ground.client.command_status import DONE, HAS_STOPPED, NOT_ANSWERED, CommandStatus
 from ross_payload.ground.client.command_types import Order, Rearm, Stop
+from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.ground.model.status_text import RecentTexts
 from ross_protocols.mavlink.component_id import ComponentId
+from ross_protocols.mavlink.dialect import ross
 
 LATE_ACK_S = 1.0  # [s] after the end of an order, in which an answer to the next of its kind may be one to it
 
@@ -46,9 +48,21 @@ class Peer:
     """What is remembered of a payload."""
 
     boots: int | None = None
+    stopped: float | None = None  # when its telemetry last said so [s]; None: the latest says otherwise
     texts: RecentTexts = field(default_factory=RecentTexts)
     ended: dict[int, tuple[float, str]] = field(default_factory=dict)  # when [s] and how, by MAV_CMD
     sent: dict[int, float] = field(default_factory=dict)  # when [s], by MAV_CMD
+
+    def on_state(self, payload: PayloadState) -> None:
+        """Learn of it, whenever it is heard."""
+        self.boots = payload.boots
+        at = payload.last if payload.status_at is None else payload.status_at
+        self.stopped = at if payload.state == ross.ROSS_STATE_STOPPED else None
+
+    def why_unanswered(self, doing: CommandStatus) -> str:
+        """Return what is known of an order to it that was not answered; what it told before the order is not."""
+        stopped = self.stopped is not None and self.stopped >= doing.since
+        return HAS_STOPPED if stopped and isinstance(doing.order, Stop) else NOT_ANSWERED
 
     def trusted(self, order: Order) -> tuple[float, bool]:
         """Return from when on [s] a final answer is one to an order, and whether its like before was done.

@@ -119,6 +119,14 @@ class PayloadState:
         """Whether its angles count from north."""
         return self.status is not None and self.status.earth
 
+    @property
+    def state(self) -> int | None:
+        """Its ROSS_STATE; None: not known. Where no status arrives, heartbeats and mirrors tell it."""
+        if self.status is not None:
+            return self.status.state
+        mirrored = dict(self.mirrors).get("ross_state")
+        return self.heartbeat.state if self.heartbeat else None if mirrored is None else int(mirrored)
+
     def texts_since(self, before: PayloadState | None) -> tuple[StatusText, ...]:
         """Return the texts that an earlier state of the same payload does not have; None: there is no earlier one."""
         latest = before.texts[-1] if before is not None and before.texts else None

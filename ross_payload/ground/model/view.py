@@ -55,8 +55,7 @@ def picked(value: Any, *names: str) -> dict[str, Any]:
 def standing(known: PayloadState, settings: Mapping[str, float]) -> Section:
     """Who it is, what it does, and since when it was not heard of."""
     status, beat, mirror = known.status, known.heartbeat, dict(known.mirrors)
-    mirrored = mirror.get("ross_state")
-    state = status.state if status else beat.state if beat else None if mirrored is None else int(mirrored)
+    state = known.state
     return {
         "who": str(known.who),
         "system": known.who.system,

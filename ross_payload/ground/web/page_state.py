@@ -209,7 +209,9 @@ class PageState:
             self._sent, self._sent_at = urgent, now
             told = overview(self.station.fleet, self.station.links(), self.positions, now)
             advice = "" if self.over else self.station.advice()
-            self.fleet_text = to_json({**told, "advice": advice, "over": self.over, "pace": self.pace})
+            stopping = [str(who) for who in sorted(self.client.orders.stopping)]
+            about = {"stopping": stopping, "advice": advice, "over": self.over, "pace": self.pace}
+            self.fleet_text = to_json({**told, **about})
             self.fleet_version += 1
             self.wake(None)
         self.changed.wake()
@@ -217,7 +219,7 @@ class PageState:
     def _urgent(self) -> Any:
         """Return what is sent as soon as it changes; the rest can wait."""
         payloads = self.station.fleet.payloads.values()
-        states = [(each.who, each.boots, each.twin, each.status and each.status.state) for each in payloads]
+        states = [(each.who, each.boots, each.twin, each.state) for each in payloads]
         links = [(each.url, each.up, each.error) for each in self.station.links()]
         return (
             states,

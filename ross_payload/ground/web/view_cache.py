@@ -16,7 +16,7 @@ from ross_payload.json_values import finite
 
 DRAWN_FROM: dict[str, tuple[str, ...]] = {
     "standing": (
-        "who", "last", "boots", "twin", "tunnelled", "mirrors", "status", "heartbeat", "information", "flaws",
+        "who", "last", "boots", "twin", "tunnelled", "mirrors", "status", "heartbeat", "state", "information", "flaws",
     ),
     "pointing": ("status", "mirrors", "information"),
     "mission": ("status", "began", "ended", "mirrors", "separations", "alignments"),

@@ -12,7 +12,7 @@ import { header } from "./parts/header.js";
 import { joined } from "./parts/comparison.js";
 import { answered } from "./parts/playback.js";
 import { routeOf, titleOf } from "./route.js";
-import { followed, noted, withStopped } from "./stop.js";
+import { followed, noted, rearmed } from "./stop.js";
 import { applyTheme, readTheme } from "./theme.js";
 import { fleetView } from "./views/fleet.js";
 import { dropped, flightsView, isOfFiles } from "./views/flights.js";
@@ -137,7 +137,7 @@ class Page {
   }
 
   order(id, order) {
-    if (order.kind === "rearm") this.ui = { ...this.ui, stop: withStopped(this.ui.stop, [id]) }; // it shall move again
+    if (order.kind === "rearm") this.ui = { ...this.ui, stop: rearmed(this.ui.stop, id) }; // it shall move again
     return this.send({ type: "order", id, order });
   }
 

@@ -26,10 +26,19 @@ export function stopFate(page) {
   return bad ? { words: bad, level: "act" } : { words: "Stop sent", level: "watch" };
 }
 
-/** The latest stop, with the time at which all whom it was for were stopped, once they were. */
+/** Whether a stop is being sent to a payload, which has not acknowledged it. */
+export const isStopping = (page, id) => (page.store.fleet?.stopping ?? []).includes(id);
+
+/**
+ * The latest stop, with the time at which all whom it was for were stopped, once they were; null once one of them has
+ * been armed again since.
+ */
 export function followed(page) {
   const { stop } = page.ui;
-  return stop && !stop.confirmed && stopFate(page) === STOPPED ? { ...stop, confirmed: performance.now() } : stop;
+  if (!stop) return stop;
+  if (!stop.confirmed) return stopFate(page) === STOPPED ? { ...stop, confirmed: performance.now() } : stop;
+  if (rests(page, stop.ids)) return stop.rested ? stop : { ...stop, rested: true };
+  return stop.rested ? null : stop;
 }
 
 /** The latest stop, with those whom it has stopped so far: a payload that is armed again is not stopped once more. */
@@ -41,6 +50,9 @@ export function noted(page) {
     stop.ids.filter((id) => fateOf(page, id, stop) === "stopped"),
   );
 }
+
+/** A stop, if any, after a payload was armed again: it is stopped no more, and is not stopped once more. */
+export const rearmed = (stop, id) => (stop?.confirmed && stop.ids.includes(id) ? null : withStopped(stop, [id]));
 
 /** A stop, if any, that is over for these payloads. */
 export function withStopped(stop, ids) {
@@ -58,14 +70,16 @@ const rests = (page, ids) => ids.every((id) => rowOf(page, id)?.state === "stopp
 function fateOf(page, id, stop) {
   const doing = page.store.payload?.id === id ? latestStop(page.store.payload.sections.orders, stop.now) : null;
   if (doing?.state === "done" || doing?.state === "acknowledged") return "stopped";
-  if (doing && isOver(doing.state)) return doing.reason || `No answer: ${OTHERWISE}`;
   const row = rowOf(page, id);
-  if (row?.state === "stopped") return "stopped";
+  if (row?.state === "stopped" && !(row.last < stop.now)) return "stopped"; // what was told before the stop tells nothing
+  const ending = `${isStopping(page, id) ? ", still being sent" : ""}: ${OTHERWISE}`;
+  if (doing && isOver(doing.state)) return (doing.state !== "no_answer" && doing.reason) || `No answer${ending}`;
   if (lately(stop.at) || (row && UNTOLD.includes(row.state ?? ""))) return "sent";
-  return row ? `${id} has not stopped: ${OTHERWISE}` : `No telemetry from ${id}: ${OTHERWISE}`;
+  return `${row ? `${id} has not stopped` : `No telemetry from ${id}`}${ending}`;
 }
 
-function latestStop(orders, since) {
+/** The latest stop of these orders, if any, that was given at a time [s] or later. */
+export function latestStop(orders, since) {
   const stops = (orders ?? []).filter((each) => each.words === "stop" && each.since >= (since ?? 0) - 1);
   return stops.at(-1) ?? null;
 }

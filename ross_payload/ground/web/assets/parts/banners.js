@@ -4,6 +4,7 @@ import { groundSilentFor, silentFor } from "../telemetry-age.js";
 import { html, nothing } from "../templates.js";
 import { capital, duration } from "../formatting.js";
 import { comparable } from "./flight-tracks.js";
+import { isStopping } from "../stop.js";
 
 const SHOWN = 10; // [s] that a refusal stays
 const BAD = { refused: "Refused", failed: "Failed", no_answer: "No answer" };
@@ -61,15 +62,19 @@ function advice({ store: { fleet } }) {
 
 /** The latest command that the payload refused, did not finish, or did not answer. */
 function failure(page) {
-  const bad = (page.store.payload?.sections.orders ?? []).filter((each) => each.state in BAD);
+  const { orders = [], standing } = page.store.payload?.sections ?? {};
+  const rests = standing?.state === "stopped"; // then nothing is wrong with a stop that was not answered
+  const bad = orders.filter((each) => each.state in BAD && !(rests && each.words === "stop"));
   if (!bad.length) return null;
   const latest = bad.reduce((one, other) => (other.at >= one.at ? other : one));
   if (page.now() - latest.at > SHOWN) return null;
   return html`<p class="banner" id="failure">
-    <strong>${BAD[latest.state]}: ${latest.words}.</strong> ${sentence(latest.reason)}
+    <strong>${BAD[latest.state]}: ${latest.words}.</strong> ${stillSent(page, latest)}${sentence(latest.reason)}
   </p>`;
 }
 
+const stillSent = (page, { words }) =>
+  words === "stop" && isStopping(page, page.store.payload.id) ? "It is still being sent. " : "";
 const sentence = (words) => (words ? `${capital(words)}.` : "");
 
 function refusal(page) {

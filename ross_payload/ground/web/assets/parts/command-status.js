@@ -2,6 +2,7 @@
 
 import { html, nothing, repeat } from "../templates.js";
 import { ago, fate, isOver, known } from "../formatting.js";
+import { isStopping, latestStop } from "../stop.js";
 
 const SHOWN = 8;
 
@@ -25,7 +26,7 @@ function line(page, told, each) {
   const bad = ["refused", "failed", "no_answer"].includes(each.state);
   return html`<li class="order ${bad ? "bad" : ""}" data-state=${each.state}>
     <span class="what">${each.words}</span>
-    <span class="fate">${fate(each.state)}${each.reason ? html`: ${each.reason}` : nothing}</span>
+    <span class="fate">${fate(each.state)}${sending(page, told, each)}${each.reason ? html`: ${each.reason}` : nothing}</span>
     <span class="soft when">${ago(page.now() - each.since)}</span>
     ${running && known(each.progress) ? bar(each) : nothing}
     ${
@@ -42,6 +43,10 @@ function line(page, told, each) {
     }
   </li>`;
 }
+
+/** Of the latest stop, which is sent for all: whether it still is. */
+const sending = (page, { id, sections: { orders } }, each) =>
+  each.state === "no_answer" && each === latestStop(orders) && isStopping(page, id) ? ", still being sent" : "";
 
 const bar = ({ progress, words }) =>
   html`<progress max="1" value=${progress} aria-label="Progress of ${words}"></progress>`;

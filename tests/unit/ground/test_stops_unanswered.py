@@ -1,0 +1,98 @@
+"""A stop that is not answered: to whom it is still being sent, and what telemetry says of it."""
+
+import asyncio
+
+import pytest
+
+from client_bench import WHO
+from ground_page import browser, page
+from hand_station import HandStation
+from ross_payload.ground.client.command_protocol import STOP_LASTS_S
+from ross_payload.ground.client.command_types import Rearm, Stop, Turn
+from ross_payload.ground.model.payload_state import PayloadState
+from ross_protocols.mavlink.commands import Result
+from ross_protocols.mavlink.dialect import ross
+from ross_protocols.mavlink.values import Audio, Health, Heartbeat, Status
+from scripted_payload import Script
+
+STOP, STOPPED, RUN = ross.MAV_CMD_ROSS_STOP, ross.ROSS_STATE_STOPPED, ross.ROSS_STATE_RUN
+TELEMETRY = "its telemetry says that it has stopped"
+
+
+@pytest.fixture
+def script():
+    return Script()
+
+
+def by_status(state, at):
+    return PayloadState(WHO, 0.0, at, status=Status(0, 0.0, state, earth=True), status_at=at)
+
+
+def by_heartbeat(state, at):
+    return PayloadState(WHO, 0.0, at, heartbeat=Heartbeat(Health.ACTIVE, state))
+
+
+def by_mirror(state, at):
+    return PayloadState(WHO, 0.0, at, mirrors=(("ross_state", float(state)),))
+
+
+@pytest.mark.parametrize("told", [by_status, by_heartbeat, by_mirror])
+def test_an_unanswered_stop_says_that_telemetry_says_stopped_and_is_sent_on(told, script):
+    script.wait(1)
+    script.orders.order(WHO, Stop())
+    script.wait(1)
+    script.orders.on_state(told(STOPPED, script.now))
+    script.wait(2)
+    assert [(each.state, each.reason) for each in script.orders.doing] == [("no_answer", TELEMETRY)]
+    assert script.orders.stopping == {WHO}
+    script.orders.on_state(told(RUN, script.now))
+    script.wait(2)
+    assert "check that it is in range" in script.orders.doing[0].reason
+
+
+def test_what_telemetry_said_before_a_stop_says_nothing_of_it(script):
+    script.wait(1)
+    script.orders.on_state(by_status(STOPPED, 0.5))
+    script.orders.order(WHO, Stop())
+    script.wait(4)
+    assert "check that it is in range" in script.orders.doing[0].reason
+
+
+def test_no_other_order_is_explained_by_a_stop(script):
+    script.wait(1)
+    script.orders.order(WHO, Turn(40))
+    script.orders.on_state(by_status(STOPPED, 1.5))
+    script.wait(8)
+    assert "check that it is in range" in script.orders.doing[0].reason
+
+
+def test_a_stop_is_being_sent_until_it_is_answered_or_a_rearming_or_half_a_minute_ends_it(script):
+    assert script.orders.stopping == frozenset()
+    script.orders.order(WHO, Stop())
+    script.wait(STOP_LASTS_S - 1)
+    assert script.orders.stopping == {WHO}
+    script.wait(2)
+    assert script.orders.stopping == frozenset()
+    script.orders.order(WHO, Stop())
+    assert script.orders.stopping == {WHO}
+    script.ack(STOP, Result.ACCEPTED)
+    assert script.orders.stopping == frozenset()
+    script.wait(12)
+    script.orders.order(WHO, Stop())
+    script.wait(5)
+    script.orders.order(WHO, Rearm())
+    script.wait(2)
+    assert script.orders.stopping == frozenset()
+
+
+async def test_every_browser_is_told_to_whom_a_stop_is_being_sent():
+    station = HandStation()
+    station.say(Audio(time_usec=0))
+    async with page(station) as served, browser(served.url) as one, browser(served.url) as other:
+        assert (await other.next("fleet"))["stopping"] == []
+        await one.say(type="order", id="1-191", order={"kind": "stop"})
+        await other.next("fleet", lambda message: message["stopping"] == ["1-191"])
+        for _ in range(int(STOP_LASTS_S) + 2):
+            station.later += 1.0
+            await asyncio.sleep(0.12)
+        await other.next("fleet", lambda message: message["stopping"] == [])
