@@ -233,6 +233,19 @@ def test_escape_gives_a_drag_up(board):
     assert page.locator(".ghost.drag").count() == 0
 
 
+def test_a_drag_whose_end_was_not_told_is_given_up(board):
+    """As when a menu that opens meanwhile takes the release of the button."""
+    page = board(three())
+    page.mouse.move(*on_screen(page, 45, 96))
+    page.mouse.down()
+    page.mouse.move(*on_screen(page, 100, 96), steps=4)
+    move = "each.dispatchEvent(new PointerEvent('pointermove', { pointerId: +each.dataset.pointer, buttons: 0 }))"
+    page.evaluate(f"each => {move}", page.query_selector(".handle"))
+    page.mouse.up()
+    assert page.evaluate("told.turned") == []
+    assert page.locator(".ghost.drag").count() == 0
+
+
 def test_a_source_at_the_end_of_the_axis_is_still_selected(board):
     page = board(scene([source(0, 45)], heading=45.0))
     page.mouse.click(*on_screen(page, 45, RIM))

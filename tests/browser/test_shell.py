@@ -174,6 +174,26 @@ def test_one_escape_stops_nothing(crew, open_page):
     assert not page.locator(".stop-fate").count()
 
 
+@pytest.mark.parametrize("what", [".ends circle", ".handle .knob"])
+def test_escape_gives_up_a_drag_for_good(kept, window, what):
+    page = command(kept)
+    box = page.locator(what).first.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 60, y + 60, steps=4)
+    sees(page, "turn to", ".corners")
+    given = page.locator(".order").count()
+    page.keyboard.press("Escape")
+    page.mouse.move(x + 80, y + 60, steps=4)
+    drawn(page)
+    assert not page.locator(".ghost.drag").count()
+    page.mouse.up()
+    page.wait_for_timeout(500)
+    assert page.locator(".order").count() == given
+    page.wait_for_timeout(600)  # or the next test's Escape would be the second one of a stop
+
+
 def test_stop_needs_no_control_and_no_second_click(kept, crew, open_page):
     holder, other = watch(open_page, crew.url), at(kept)
     holder.get_by_role("button", name="Take control").click()

@@ -1,5 +1,6 @@
 /** The keyboard of the whole page. Views add their own keys where they have focus. */
 
+import { letGo } from "./instruments/scope-axis.js";
 import { closeEnrolment } from "./parts/enrolment.js";
 import { stopTargets } from "./stop.js";
 
@@ -16,6 +17,7 @@ export function pressed(page, event) {
 
 function escape(page, event) {
   closeEnrolment();
+  letGo();
   const again = event.repeat || event.timeStamp - page.ui.lastEscape < TWICE;
   if (again && !(event.repeat && page.ui.lastEscape < 0)) {
     page.stop(stopTargets(page));

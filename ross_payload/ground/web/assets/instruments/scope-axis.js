@@ -93,7 +93,7 @@ function listeners({ heading, drag, onDrag, onTurn }) {
   };
   return {
     down: take,
-    move: (event) => holds(event) && onDrag(goalOf(event)),
+    move: (event) => holds(event) && (event.buttons ? onDrag(goalOf(event)) : drop(event)), // its release may be lost
     up: (event) => holds(event) && up(event),
     away: drop,
     touch: (event) => event.preventDefault(), // else the page scrolls: touch-action does not work inside of an SVG
@@ -116,6 +116,9 @@ function take(event) {
 const release = (hand) => {
   delete hand.dataset.pointer;
 };
+
+/** Give up every drag: a pointer that still holds an end of the axis moves it no more. */
+export const letGo = () => document.querySelectorAll(".scope [data-pointer]").forEach(release);
 
 const ARROWS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
 
