@@ -117,6 +117,23 @@ def test_a_stop_of_another_page_says_whether_it_is_still_being_sent(page):
     assert fate([], ["1-191"]) == f"No telemetry from 1-191, still being sent: {OTHERWISE}"
 
 
+def test_a_stop_that_is_still_sent_is_not_over_when_the_payload_goes_on(page):
+    """As on a slow link, where what tells of an earlier stop comes after this one was pressed."""
+    after = page.evaluate("""async () => {
+      const { followed } = await import("/assets/stop.js");
+      const at = performance.now();
+      const step = (stop, state, stopping) => {
+        const fleet = { payloads: [{ id: "1-191", state, last: 3 }], stopping };
+        return followed({ ui: { stop }, store: { fleet, payload: null } });
+      };
+      const stop = { ids: ["1-191"], at, now: 2, stopped: [] };
+      const rested = step(step(stop, "stopped", ["1-191"]), "stopped", ["1-191"]);
+      const still = step(rested, "run", ["1-191"]);
+      return [rested.confirmed > 0, still && still.confirmed, still && still.ids, step(rested, "run", [])];
+    }""")
+    assert after == [True, None, ["1-191"], None]
+
+
 def test_a_stop_without_an_answer_is_a_notice_only_while_the_payload_has_not_stopped(page):
     def told(state, stopping):
         return page.evaluate(BANNERS, [state, unanswered(), stopping])

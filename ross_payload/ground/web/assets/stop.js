@@ -31,14 +31,15 @@ export const isStopping = (page, id) => (page.store.fleet?.stopping ?? []).inclu
 
 /**
  * The latest stop, with the time at which all whom it was for were stopped, once they were; null once one of them has
- * been armed again since.
+ * been armed again since. A stop that is still being sent is not over: telemetry may have been on its way for long.
  */
 export function followed(page) {
   const { stop } = page.ui;
   if (!stop) return stop;
   if (!stop.confirmed) return stopFate(page) === STOPPED ? { ...stop, confirmed: performance.now() } : stop;
   if (rests(page, stop.ids)) return stop.rested ? stop : { ...stop, rested: true };
-  return stop.rested ? null : stop;
+  if (!stop.rested) return stop;
+  return stop.ids.some((id) => isStopping(page, id)) ? { ...stop, confirmed: null, rested: false } : null;
 }
 
 /** The latest stop, with those whom it has stopped so far: a payload that is armed again is not stopped once more. */
