@@ -3,10 +3,11 @@
 import zipfile
 
 import pytest
+from playwright.sync_api import expect
 
 from browsing import eventually
 from fleet_bench import FleetThread
-from page_eyes import sees
+from page_eyes import sees, violations
 from ports import free_port
 from recording_bench import input_of, record
 from ross_payload.ground.web.app import in_background
@@ -28,8 +29,14 @@ def test_a_recording_is_downloaded_and_deleted_on_the_page(store, window, open_p
             page.get_by_role("link", name="Download 0001").click()
         with zipfile.ZipFile(download.value.path()) as archive:
             assert archive.read("0001/audio.wav") == (store.folder / "0001" / "audio.wav").read_bytes()
-        page.on("dialog", lambda dialog: dialog.accept())
+        page.on("dialog", lambda dialog: pytest.fail("the page, and its stop, is held up"))
         page.get_by_role("button", name="Delete 0001").click()
+        page.get_by_role("button", name="Keep 0001").click()
+        page.get_by_role("button", name="Delete 0001", exact=True).click()
+        expect(page.get_by_role("button", name="Keep 0001")).to_be_focused()
+        assert store.all()
+        assert violations(page) == []
+        page.get_by_role("button", name="Delete 0001 for good").click()
         sees(page, "Nothing is recorded yet", "section[aria-label='Recordings']")
         assert not store.all()
         page.close()

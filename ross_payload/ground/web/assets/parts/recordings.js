@@ -31,17 +31,35 @@ function row(page, { name, bytes, seconds, state, running }) {
     >
     <span class="buttons">
       <a class="button" href=${addressOf(name, ".zip")} download>Download<span class="unseen"> ${name}</span></a>
-      <button type="button" ?disabled=${running} @click=${() => remove(page, name)}>
-        Delete<span class="unseen"> ${name}</span>
-      </button>
+      ${page.ui.deleting === name ? question(page, name) : deletion(page, name, running)}
     </span>
   </li>`;
+}
+
+const deletion = (page, name, running) =>
+  html`<button type="button" ?disabled=${running} @click=${() => asked(page, name)}>
+    Delete<span class="unseen"> ${name}</span>
+  </button>`;
+
+/** Asked in its row: a dialog of the browser would hold up the page, its stop included. */
+const question = (page, name) =>
+  html`<span>This cannot be undone.</span>
+    <button type="button" @click=${() => remove(page, name)}>
+      Delete<span class="unseen"> ${name}</span> for good
+    </button>
+    <button type="button" class="keep" @click=${() => page.change({ deleting: null })}>
+      Keep<span class="unseen"> ${name}</span>
+    </button>`;
+
+function asked(page, name) {
+  page.change({ deleting: name });
+  requestAnimationFrame(() => requestAnimationFrame(() => document.querySelector(".known .keep")?.focus()));
 }
 
 const addressOf = (name, suffix = "") => `/recordings/${encodeURIComponent(name)}${suffix}`;
 
 async function remove(page, name) {
-  if (!confirm(`Delete recording ${name}? This cannot be undone.`)) return;
+  page.change({ deleting: null });
   const answer = await fetch(addressOf(name), { method: "DELETE" }).catch(() => null);
   const told = answer?.ok ? {} : await answer?.json().catch(() => ({}));
   page.change({ recordingError: answer?.ok ? null : `${name}: ${told?.error ?? "it was not deleted"}` });
