@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,11 +22,14 @@ class Playback:
     """The fleet at one moment of a flight; the same whether that moment was played or sought.
 
     What was read once is found again after hearing `SPACING` frames at most, unless the log is huge. `prepare` reads
-    ahead in small portions: seeking before ``ready`` [s] is quick, seeking beyond it reads all that lies between.
+    ahead in small portions: seeking before ``ready`` [s] is quick, seeking beyond it reads all that lies between, which
+    may take minutes. It is given up as soon as ``obsolete`` says that nobody waits for it, and is to be followed by
+    another seek then.
     """
 
-    def __init__(self, flight: Flight) -> None:
+    def __init__(self, flight: Flight, obsolete: Callable[[], bool] = lambda: False) -> None:
         self.flight = flight
+        self._obsolete = obsolete
         self.fleet = Fleet()
         self.at = 0.0  # since the first frame [s]
         self.playing = False
@@ -76,7 +81,7 @@ class Playback:
 
     def _read(self, fleet: Fleet, known: int, wanted: int) -> int:
         """Let a fleet that knows ``known`` frames read more, and remember it on the way; return how many it knows."""
-        while known < wanted:
+        while known < wanted and not self._obsolete():
             until = min(wanted, (known // self._spacing + 1) * self._spacing)
             for at, packet in self.flight.packets(self._which[known:until]):
                 fleet.on_packet(packet, at)

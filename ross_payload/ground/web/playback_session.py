@@ -45,13 +45,15 @@ class PlaybackSession:
         self._sent_at = -PROGRESS_PERIOD_S
         self._fixed = ""  # what does not change, as text
         self._task: asyncio.Task[None] | None = None
+        self._closed = False
 
     def start(self, find: Callable[[], Path], refuse: Callable[[str], None]) -> None:
         """Open the flight that ``find`` finds and play it; ``refuse`` is called with why that cannot be."""
         self._task = asyncio.create_task(self._run(find, refuse))
 
     async def close(self) -> None:
-        """End."""
+        """End; what is read on the other thread just now, too."""
+        self._closed = True
         if self._task is not None:
             self._task.cancel()
             with suppress(asyncio.CancelledError):
@@ -96,7 +98,7 @@ class PlaybackSession:
 
     async def _run(self, find: Callable[[], Path], refuse: Callable[[str], None]) -> None:
         try:
-            playback = await asyncio.to_thread(lambda: Playback(open_flight(find())))
+            playback = await asyncio.to_thread(lambda: Playback(open_flight(find()), self._is_obsolete))
             tracks = await asyncio.to_thread(tracks_of, playback.flight)
             self._fixed = _fixed(self.name, self.title, playback.flight, tracks)
             self.watched = self.watched or next(iter(playback.flight.payloads), None)
@@ -107,6 +109,10 @@ class PlaybackSession:
         except Exception as error:
             report(error)
             refuse("it cannot be played: see the terminal")
+
+    def _is_obsolete(self) -> bool:
+        """Whether nobody waits for what is being read any longer."""
+        return self._closed or "seek" in self._requests
 
     async def _play(self, playback: Playback) -> None:
         """Do what is due, and show what is known after it, until cancelled."""

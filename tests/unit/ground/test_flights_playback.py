@@ -1,5 +1,7 @@
 """A flight is the same whether it is played or sought in, and seeking is quick."""
 
+import asyncio
+import threading
 import time
 
 import numpy as np
@@ -11,8 +13,9 @@ from examples import examples
 from flight_logs import UNIX, full_tick, record, vehicle_frames, write_hour
 from ross_payload.ground.flights import playback as playing
 from ross_payload.ground.flights.playback import Playback
-from ross_payload.ground.flights.reading import open_flight
+from ross_payload.ground.flights.reading import Flight, open_flight
 from ross_payload.ground.model.fleet import Fleet
+from ross_payload.ground.web.playback_session import PlaybackSession
 from ross_protocols.mavlink.codec import Encoder, chunks
 from ross_protocols.mavlink.values import Health, Heartbeat, Severity
 
@@ -183,3 +186,52 @@ def test_an_hour_of_five_payloads_opens_in_seconds_and_seeks_in_a_tenth_of_one(t
     told = f"{count} frames: opened in {opened:.1f} s, seek median {np.median(took):.3f} s, worst {max(took):.3f} s"
     assert opened < 10, told
     assert np.median(took) < 0.1, told
+
+
+def test_a_seek_that_nobody_waits_for_any_longer_is_given_up(flight):
+    left = [2]  # portions that are read until then
+
+    def obsolete():
+        left[0] -= 1
+        return left[0] < 0
+
+    playback = Playback(flight, obsolete)
+    playback.seek(flight.duration)
+    assert max(each.last for each in playback.fleet.payloads.values()) < 0.9 * flight.duration
+    left[0] = 1000
+    for share in (0.2, 1.0):
+        playback.seek(share * flight.duration)
+        assert known(playback.fleet) == known(heard_all(flight, playback.at))
+
+
+async def test_nothing_of_a_flight_is_read_on_once_it_is_closed_or_sought_elsewhere(tmp_path, monkeypatch):
+    path = tmp_path / "long.tlog"
+    write_hour(path, seconds=30, payloads=1)
+    read, going = [], threading.Event()
+    packets = Flight.packets
+
+    def slow(self, which):
+        read.append(int(which[-1]))
+        going.set()
+        time.sleep(0.05)
+        return packets(self, which)
+
+    session = PlaybackSession("a", "long", lambda: None)
+    session.start(lambda: path, pytest.fail)
+    while session.playback is None:
+        await asyncio.sleep(0.01)
+    monkeypatch.setattr(Flight, "packets", slow)
+    session.request(seek=30.0)
+    await asyncio.to_thread(going.wait, 20)
+    session.request(seek=0.5)
+    while session.playback.at > 1.0:
+        await asyncio.sleep(0.01)
+    assert len(read) < 10, "the earlier one was read to its end"
+    going.clear()
+    session.request(seek=30.0)
+    await asyncio.to_thread(going.wait, 20)
+    await session.close()
+    await asyncio.sleep(0.2)
+    count = len(read)
+    await asyncio.sleep(0.3)
+    assert len(read) == count
