@@ -58,6 +58,7 @@ class PlaybackSession:
             self._task.cancel()
             with suppress(asyncio.CancelledError):
                 await self._task
+        self._task = self.playback = None  # what was read is large: it does not wait for a collection of garbage
 
     def request(self, **changes: float | bool) -> None:
         """Ask for ``seek`` [s], ``play``, or ``speed`` (seconds of the flight in one)."""

@@ -1,6 +1,7 @@
 """A flight is the same whether it is played or sought in, and seeking is quick."""
 
 import asyncio
+import gc
 import threading
 import time
 
@@ -235,3 +236,25 @@ async def test_nothing_of_a_flight_is_read_on_once_it_is_closed_or_sought_elsewh
     count = len(read)
     await asyncio.sleep(0.3)
     assert len(read) == count
+
+
+async def test_the_file_of_a_flight_is_closed_with_it(tmp_path):
+    path = tmp_path / "short.tlog"
+    write_hour(path, seconds=5, payloads=1)
+    session = PlaybackSession("a", "short", lambda: None)
+    gc.collect()
+    gc.disable()
+    try:
+        session.start(lambda: path, pytest.fail)
+        while session.playback is None:
+            await asyncio.sleep(0.01)
+        session.request(seek=4.0, play=True)
+        await asyncio.sleep(0.2)
+        closed = session.playback.flight.file.close
+        assert closed.alive
+        await session.close()
+        async with asyncio.timeout(20):
+            while closed.alive:
+                await asyncio.sleep(0.01)
+    finally:
+        gc.enable()
