@@ -13,10 +13,10 @@ IN_REACH = f"""() => {{
   const {{ left, top, width, height }} = {HERE}.getBoundingClientRect();
   return document.elementFromPoint(left + width / 2, top + height / 2)?.closest(".stop-button") === {HERE};
 }}"""
-FATES = """async ([stop, rows, orders, stopping]) => {
+FATES = """async ([stop, rows, orders, stopping, stops]) => {
   const { stopFate } = await import("/assets/stop.js");
   const ui = { stop: { ids: ["1-191"], stopped: [], ...stop, at: performance.now() - stop.ago } };
-  const fleet = { payloads: rows.map((each) => ({ id: "1-191", ...each })), stopping };
+  const fleet = { payloads: rows.map((each) => ({ id: "1-191", ...each })), stopping, stops };
   return stopFate({ ui, store: { fleet, payload: orders && { id: "1-191", sections: { orders } } } }).words;
 }"""
 BANNERS = """async ([state, orders, stopping]) => {
@@ -115,6 +115,32 @@ def test_a_stop_of_another_page_says_whether_it_is_still_being_sent(page):
     assert fate([{"state": "run", "last": 3.0}], ["1-191"]) == f"1-191 has not stopped, still being sent: {OTHERWISE}"
     assert fate([{"state": "run", "last": 3.0}], ["2-191"]) == f"1-191 has not stopped: {OTHERWISE}"
     assert fate([], ["1-191"]) == f"No telemetry from 1-191, still being sent: {OTHERWISE}"
+
+
+def test_a_stop_of_another_page_is_confirmed_by_its_acknowledgement_alone(page):
+    """Telemetry tells nothing of whether what has a fault stands still."""
+
+    def fate(state, at, stopping=()):
+        stops = [{"id": "1-191", "words": "stop", "state": state, "reason": "", "since": at, "at": at}]
+        rows = [{"state": "fault", "last": 30.0}]
+        return page.evaluate(FATES, [{"ago": 20_000, "now": 2.0}, rows, None, list(stopping), stops])
+
+    assert fate("done", 2.0) == "Stopped"
+    assert fate("sent", 2.0, ["1-191"]) == "Stop sent"
+    assert fate("no_answer", 2.0, ["1-191"]) == f"No answer from 1-191, still being sent: {OTHERWISE}"
+    assert fate("no_answer", 2.0) == f"No answer from 1-191: {OTHERWISE}"
+    assert fate("done", 0.5) == "Stop sent"  # an earlier one
+
+
+def test_every_payload_that_has_not_stopped_is_named(page):
+    def fate(count):
+        ids = [f"{system}-191" for system in range(1, count + 1)]
+        stop = {"ago": 20_000, "now": 2.0, "ids": ["9-191", *ids]}
+        rows = [{"id": each, "state": "run", "last": 3.0} for each in ids]
+        return page.evaluate(FATES, [stop, [{"id": "9-191", "state": "stopped", "last": 3.0}, *rows], None, ids[:1]])
+
+    assert fate(2) == "1-191 has not stopped, still being sent; 2-191 has not stopped: stop them by other means"
+    assert fate(7).endswith("4-191 has not stopped; and 3 more: stop them by other means")
 
 
 def test_a_stop_that_is_still_sent_is_not_over_when_the_payload_goes_on(page):

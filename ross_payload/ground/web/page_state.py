@@ -8,6 +8,7 @@ from typing import Any
 
 from ross_payload.ground.client.command_protocol import CommandProtocol
 from ross_payload.ground.client.command_status import CommandStatus
+from ross_payload.ground.client.command_types import Stop
 from ross_payload.ground.client.param_client import ParamClient
 from ross_payload.ground.client.streams import Wakeup
 from ross_payload.ground.errors import GroundError
@@ -209,12 +210,17 @@ class PageState:
             self._sent, self._sent_at = urgent, now
             told = overview(self.station.fleet, self.station.links(), self.positions, now)
             advice = "" if self.over else self.station.advice()
-            stopping = [str(who) for who in sorted(self.client.orders.stopping)]
-            about = {"stopping": stopping, "advice": advice, "over": self.over, "pace": self.pace}
+            about = {**self._stops(), "advice": advice, "over": self.over, "pace": self.pace}
             self.fleet_text = to_json({**told, **about})
             self.fleet_version += 1
             self.wake(None)
         self.changed.wake()
+
+    def _stops(self) -> dict[str, Any]:
+        """Return to whom a stop is being sent, and the latest stop of each payload."""
+        stops = {each.who: each.json() for each in self.client.orders.doing if isinstance(each.order, Stop)}
+        stopping = [str(who) for who in sorted(self.client.orders.stopping)]
+        return {"stopping": stopping, "stops": list(stops.values())}
 
     def _urgent(self) -> Any:
         """Return what is sent as soon as it changes; the rest can wait."""

@@ -91,8 +91,10 @@ async def test_every_browser_is_told_to_whom_a_stop_is_being_sent():
     async with page(station) as served, browser(served.url) as one, browser(served.url) as other:
         assert (await other.next("fleet"))["stopping"] == []
         await one.say(type="order", id="1-191", order={"kind": "stop"})
-        await other.next("fleet", lambda message: message["stopping"] == ["1-191"])
+        told = await other.next("fleet", lambda message: message["stopping"] == ["1-191"])
+        assert [(each["id"], each["words"], each["state"]) for each in told["stops"]] == [("1-191", "stop", "sent")]
         for _ in range(int(STOP_LASTS_S) + 2):
             station.later += 1.0
             await asyncio.sleep(0.12)
-        await other.next("fleet", lambda message: message["stopping"] == [])
+        told = await other.next("fleet", lambda message: message["stopping"] == [])
+        assert [each["state"] for each in told["stops"]] == ["no_answer"]

@@ -2,8 +2,8 @@
 
 import { isOver } from "./formatting.js";
 
-const OTHERWISE = "stop it by other means";
 const SHOWN = 8; // [s] that an answer stays beside the button
+const NAMED = 4; // of payloads that have not stopped, by name
 const UNTOLD = ["", "fault"]; // states of a payload that may stand still, or not
 
 /** The payload on the screen, else all of them. @returns {string[]} */
@@ -22,8 +22,11 @@ export function stopFate(page) {
   if (stop.confirmed) return rests(page, stop.ids) || lately(stop.confirmed) ? STOPPED : NONE;
   const fates = stop.ids.map((id) => fateOf(page, id, stop));
   if (fates.every((each) => each === "stopped")) return STOPPED;
-  const bad = fates.find((each) => each !== "stopped" && each !== "sent");
-  return bad ? { words: bad, level: "act" } : { words: "Stop sent", level: "watch" };
+  const bad = fates.filter((each) => each !== "stopped" && each !== "sent");
+  if (!bad.length) return { words: "Stop sent", level: "watch" };
+  const more = bad.length > NAMED ? `; and ${bad.length - NAMED} more` : "";
+  const otherwise = bad.length > 1 ? "stop them by other means" : "stop it by other means";
+  return { words: `${bad.slice(0, NAMED).join("; ")}${more}: ${otherwise}`, level: "act" };
 }
 
 /** Whether a stop is being sent to a payload, which has not acknowledged it. */
@@ -69,14 +72,17 @@ const rowOf = (page, id) => (page.store.fleet?.payloads ?? []).find((each) => ea
 const rests = (page, ids) => ids.every((id) => rowOf(page, id)?.state === "stopped");
 
 function fateOf(page, id, stop) {
-  const doing = page.store.payload?.id === id ? latestStop(page.store.payload.sections.orders, stop.now) : null;
+  const watched = page.store.payload?.id === id ? page.store.payload.sections.orders : null;
+  const doing = latestStop(watched ?? (page.store.fleet?.stops ?? []).filter((each) => each.id === id), stop.now);
   if (doing?.state === "done" || doing?.state === "acknowledged") return "stopped";
   const row = rowOf(page, id);
   if (row?.state === "stopped" && !(row.last < stop.now)) return "stopped"; // what was told before the stop tells nothing
-  const ending = `${isStopping(page, id) ? ", still being sent" : ""}: ${OTHERWISE}`;
-  if (doing && isOver(doing.state)) return (doing.state !== "no_answer" && doing.reason) || `No answer${ending}`;
-  if (lately(stop.at) || (row && UNTOLD.includes(row.state ?? ""))) return "sent";
-  return `${row ? `${id} has not stopped` : `No telemetry from ${id}`}${ending}`;
+  const still = isStopping(page, id) ? ", still being sent" : "";
+  if (watched && doing && isOver(doing.state)) return (doing.state !== "no_answer" && doing.reason) || `No answer${still}`;
+  if (lately(stop.at)) return "sent";
+  const untold = row && UNTOLD.includes(row.state ?? "");
+  if (untold && !(doing && isOver(doing.state))) return "sent";
+  return `${untold ? `No answer from ${id}` : row ? `${id} has not stopped` : `No telemetry from ${id}`}${still}`;
 }
 
 /** The latest stop of these orders, if any, that was given at a time [s] or later. */
