@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -82,17 +82,17 @@ class Flight:
         yield from _packets(self.file, self.index, self.at, which)
 
 
-def open_flight(path: Path) -> Flight:
-    """Open a telemetry log, or a folder with one.
+def open_flight(path: Path, obsolete: Callable[[], bool] = lambda: False) -> Flight:
+    """Open a telemetry log, or a folder with one; ``obsolete`` says that nobody waits for it any longer.
 
     Raises
     ------
     GroundError
-        When it is none, or cannot be read.
+        When it is none, cannot be read, or nobody waits.
     """
     log = _find(path)
     file = LogFile(log)
-    index, damage = scan(file)
+    index, damage = scan(file, obsolete)
     unpacked = unpacked_sound(log)
     if not len(index) and unpacked is None:
         raise GroundError(f"{log}: {EXPECTED}, got {_kind(file)}")

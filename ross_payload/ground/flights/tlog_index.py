@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import struct
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 
 import numpy as np
 from fastcrc.crc16 import mcrf4xx
 from numpy.typing import NDArray
 
+from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights.log_file import LogFile
 from ross_payload.ground.flights.resync import CHAIN, HEAD, LONGEST, STAMP, V1, V2, chained
 from ross_protocols.mavlink.component_id import ComponentId
@@ -70,10 +72,18 @@ class Damage:
     wrong: Counter[int] = field(default_factory=Counter)  # frames with another checksum, by message id
 
 
-def scan(file: LogFile) -> tuple[Index, Damage]:
-    """Find every good frame of a log, and what is damaged."""
+def scan(file: LogFile, obsolete: Callable[[], bool] = lambda: False) -> tuple[Index, Damage]:
+    """Find every good frame of a log, and what is damaged; ``obsolete`` says that nobody waits for it any longer.
+
+    Raises
+    ------
+    GroundError
+        When the disk fails, or nobody waits.
+    """
     walk, parts, rest, base = _Walk(), [], b"", 0
     for piece in file.pieces():
+        if obsolete():
+            raise GroundError("the log was closed before it was read")
         data = rest + piece
         last = base + len(data) >= file.size
         places, sizes, reached = walk.over(data, base == 0, last)

@@ -99,7 +99,9 @@ class PlaybackSession:
 
     async def _run(self, find: Callable[[], Path], refuse: Callable[[str], None]) -> None:
         try:
-            playback = await asyncio.to_thread(lambda: Playback(open_flight(find()), self._is_obsolete))
+            playback = await asyncio.to_thread(
+                lambda: Playback(open_flight(find(), lambda: self._closed), self._is_obsolete)
+            )
             tracks = await asyncio.to_thread(tracks_of, playback.flight)
             self._fixed = _fixed(self.name, self.title, playback.flight, tracks)
             self.watched = self.watched or next(iter(playback.flight.payloads), None)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from examples import examples
 from flight_logs import UNIX, full_tick, record, vehicle_frames, write_hour
 from ross_payload.ground.flights import playback as playing
+from ross_payload.ground.flights.log_file import LogFile
 from ross_payload.ground.flights.playback import Playback
 from ross_payload.ground.flights.reading import Flight, open_flight
 from ross_payload.ground.model.fleet import Fleet
@@ -258,3 +259,26 @@ async def test_the_file_of_a_flight_is_closed_with_it(tmp_path):
                 await asyncio.sleep(0.01)
     finally:
         gc.enable()
+
+
+async def test_a_flight_that_is_closed_while_it_is_opened_is_read_no_further(tmp_path, monkeypatch):
+    path = tmp_path / "long.tlog"
+    write_hour(path, seconds=30, payloads=1)
+    read, going = [], threading.Event()
+
+    def pieces(self):
+        for start in range(0, self.size, 4096):
+            read.append(start)
+            going.set()
+            time.sleep(0.02)
+            yield self.read(start, 4096)
+
+    monkeypatch.setattr(LogFile, "pieces", pieces)
+    session = PlaybackSession("a", "long", lambda: None)
+    session.start(lambda: path, pytest.fail)
+    await asyncio.to_thread(going.wait, 20)
+    await session.close()
+    await asyncio.sleep(0.2)
+    count = len(read)
+    await asyncio.sleep(0.3)
+    assert len(read) == count
