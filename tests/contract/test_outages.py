@@ -9,6 +9,7 @@ import pytest
 from examples import in_soak, rows_in_soak
 from rigs import ACCELERATION, SWING, rig_of
 from ross_sim.clock import QUANTUM
+from ross_sim.devices import servo_node
 
 pytestmark = pytest.mark.lockstep
 
@@ -59,6 +60,29 @@ def test_a_stop_around_an_outage_of_the_wire_is_not_made_up_for_when_it_is_over(
     rig.clock.sleep(3.0)
     allowed = speed**2 / (2 * ACCELERATION) + 0.1 * (speed + ACCELERATION * 0.05) + rig.late * speed + SWING
     assert abs(rig.far_end.angle() - here) <= allowed
+    rig.actuator.__exit__(None, None, None)
+
+
+@pytest.mark.parametrize("stopped", [0.05, 0.38])
+@pytest.mark.parametrize("led", ["dronecan_servo", *in_soak("dronecan_servo:gimbal")])
+def test_a_servo_that_is_to_brake_gets_no_set_points_before_it_is_heard_again(
+    led: str, stopped: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They would lead it on at its own speed until its first report, also while it says no more than that it lives."""
+    monkeypatch.setattr(servo_node, "REPORT", 0.1)
+    rig = rig_of(led).open()
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(0.83)
+    rig.wire.severed = True
+    rig.clock.sleep(stopped)
+    rig.actuator.stop()
+    rig.clock.sleep(0.4 - stopped)
+    here = rig.far_end.angle()
+    rig.wire.severed = False
+    rig.clock.sleep(0.09)
+    assert rig.far_end.angle() == pytest.approx(here, abs=SWING)
+    rig.clock.sleep(3.0)
+    assert rig.far_end.angle() == pytest.approx(here, abs=SWING)
     rig.actuator.__exit__(None, None, None)
 
 

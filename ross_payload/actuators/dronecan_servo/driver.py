@@ -75,7 +75,7 @@ class DronecanServo(Driver):
     def read(self, now: float) -> None:
         """Read the bus; remember the newest place; latch what is wrong with it or with the bus."""
         self._plan.catch_up(now)  # from the last set-point, where the servo stands
-        client, heard_at = self._client, self._client.heard_at
+        client, heard_at = self._client, self._heard_at
         client.read(now)
         self._look_for_silence(heard_at, now)
         if client.event:
@@ -152,17 +152,22 @@ class DronecanServo(Driver):
             self._latch(f"the servo does not follow: at {here:.1f} deg, commanded {there:.1f} deg")
             self._plan.hold(joint, now)
 
+    @property
+    def _heard_at(self) -> float:
+        """When the servo told last where it is, or, if it never does, anything [s]."""
+        return self._client.report.time if self._measured else self._client.heard_at
+
     def _look_for_silence(self, heard_at: float, now: float) -> None:
         """Note for how long nothing was heard, not counting a pause of this program.
 
         A model that was to brake meanwhile has come to rest where its last set-point came.
         """
         listened, self._read_at = min(now - self._read_at, HELD_UP_S), now
-        heard = self._client.heard_at > heard_at
+        heard = self._heard_at > heard_at
         if heard and not self._measured and self._is_unled(heard_at) and self._plan.brakes_after(heard_at):
             self._lose()
         if heard:
-            self._gaps.note(self._client.heard_at - heard_at)
+            self._gaps.note(self._heard_at - heard_at)
         self._silence = 0.0 if heard else self._silence + listened
 
     def _is_unled(self, heard_at: float) -> bool:
@@ -210,7 +215,7 @@ class DronecanServo(Driver):
 
     def _halt(self, now: float) -> None:
         """Brake; to one that is lost no set-point is sent any more."""
-        if not self._measured and self._is_unled(self._client.heard_at):
+        if not self._measured and self._is_unled(self._heard_at):
             self._lose()
         else:
             self._plan.halt(now)
@@ -236,12 +241,13 @@ class DronecanServo(Driver):
     # ------------------------------------------------------------------------------------------ out
 
     def write(self, now: float) -> None:
-        """Send the set-point that is due."""
+        """Send the set-point that is due, but none that would lead a servo on which has to be heard first."""
         motion = self._plan.motion
-        if motion is not None and now > motion.end + SET_POINT_PERIOD_S and self._is_unled(self._client.heard_at):
-            return  # the first set-point that it gets would lead it on, before it is heard
         due = None if motion is None else self._plan.due(motion, SET_POINT_PERIOD_S, now)
-        if due is not None:
+        if motion is None or due is None:
+            return
+        ends = self._plan.brakes_after(self._heard_at) or now > motion.end + SET_POINT_PERIOD_S
+        if not (ends and self._is_unled(self._heard_at)):
             self._client.command(due)
 
     def snapshot(self, now: float) -> ActuatorState:
