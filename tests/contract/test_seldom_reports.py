@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections import deque
 from typing import Any
 
 import numpy as np
@@ -127,6 +129,44 @@ def test_a_servo_that_is_stopped_decelerates(led: str, period: float, monkeypatc
         angles.append(rig.far_end.angle())
     speeds = np.diff(angles) / QUANTUM
     assert max(speeds[:-5] - speeds[5:]) / (5 * QUANTUM) <= 1.5 * ACCELERATION  # within 50 ms
+
+
+class LateReports:
+    """A port over which all comes a while later."""
+
+    def __init__(self, port: Port, clock: Clock, late: float) -> None:
+        self._port, self._clock, self._late = port, clock, late
+        self._under_way: deque[tuple[float, Any]] = deque()
+        self.send, self.close = port.send, port.close
+
+    def receive(self) -> list[Any]:
+        now = self._clock.now()
+        self._under_way.extend((now + self._late, frame) for frame in self._port.receive())
+        come = [frame for due, frame in self._under_way if due <= now + QUANTUM / 2]
+        for _ in come:
+            self._under_way.popleft()
+        return come
+
+
+@pytest.mark.parametrize("period", [0.16, 0.33, *in_soak(0.2)])
+@pytest.mark.parametrize("led", ["dronecan_servo", *in_soak("dronecan_servo:gimbal")])
+def test_a_servo_that_reports_late_is_not_turned_back_by_a_stop(
+    led: str, period: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It reports where it was, on the way that it was told to go."""
+    monkeypatch.setattr(servo_node, "REPORT", period)
+    rig = rig_of(led).open()
+    rig.wire.plug(LateReports(rig.far_end.port, rig.clock, 0.15))
+    rig.clock.sleep(3.0)
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(0.8)
+    rig.actuator.stop()
+    angles = []
+    for _ in range(250):
+        rig.clock.sleep(QUANTUM)
+        angles.append(rig.far_end.angle())
+    assert np.max(np.maximum.accumulate(angles) - angles) <= math.radians(1)
+    assert rig.state.healthy
 
 
 @pytest.mark.parametrize("period", [0.33, *in_soak(0.4)])

@@ -39,6 +39,7 @@ from ross_payload.errors import LinkError
 from ross_payload.interfaces import ActuatorState, Clock, Feedback, Port
 
 PAUSE_S = 0.1  # longer without the next set-point, and the servo has come to rest at the last one [s]
+TRAILING_S = 0.2  # one that reports seldom may be where it was told to be so long ago: its report is late [s]
 
 
 class DronecanServo(Driver):
@@ -56,6 +57,7 @@ class DronecanServo(Driver):
         self._read_at = math.inf  # the bus, last [s]
         self._silence = 0.0  # for so long it was listened to without a word of the servo [s]
         self._gaps = ReportGaps()  # in what is heard of the servo
+        self._told: deque[tuple[float, float]] = deque()  # set-points of the last TRAILING_S: [s], [rad]
         self._behind = 0  # reports in a row that were too far behind
         self._fault = ""
         self.capabilities = capabilities_of(options, options.resolution, Feedback(options.feedback))
@@ -70,6 +72,7 @@ class DronecanServo(Driver):
         """Join the bus and listen."""
         self._client = ServoClient(self._options, port, now, self._angle)
         self._reports.clear()
+        self._told.clear()
         self._read_at, self._silence = now, 0.0
 
     def read(self, now: float) -> None:
@@ -191,11 +194,13 @@ class DronecanServo(Driver):
         if motion is None or motion.end <= before or not math.isfinite(joint):
             return
         angle, rate = motion.at(now)
-        behind = abs(joint - angle)
+        behind, unusual = abs(joint - angle), now - before > self._gaps.unusual()
         if self._plan.brakes_after(before):
-            if behind > ASTRAY_RAD + ASTRAY_S * abs(rate):
+            told = (angle,) if unusual else (angle, *(asked for time, asked in self._told if time > now - TRAILING_S))
+            trails = min(max(joint, min(told)), max(told))
+            if abs(joint - trails) > ASTRAY_RAD + ASTRAY_S * abs(rate):
                 self._plan.hold(joint, now)
-        elif now - before > self._gaps.unusual() and behind > math.radians(self._options.max_lag_deg):
+        elif unusual and behind > math.radians(self._options.max_lag_deg):
             self._plan.turn_again(joint, 0.0, now)
 
     def _latch(self, fault: str) -> None:
@@ -249,6 +254,9 @@ class DronecanServo(Driver):
         ends = self._plan.brakes_after(self._heard_at) or now > motion.end + SET_POINT_PERIOD_S
         if not (ends and self._is_unled(self._heard_at)):
             self._client.command(due)
+            self._told.append((now, due))
+        while self._told and self._told[0][0] <= now - TRAILING_S:
+            self._told.popleft()
 
     def snapshot(self, now: float) -> ActuatorState:
         """Return the state at ``now`` [s]; a model's is the plan."""
