@@ -7,6 +7,8 @@ from enum import IntFlag, StrEnum
 
 DEAD_DB = 30.0  # so far is a dead microphone below the other; talkers and rooms make a few
 DEAD_FROM_HZ = 400.0  # where they are compared: below it hum and wind may be far louder at one of them
+ALIKE = 1e-6  # share of power in which two channels of one microphone may differ: every microphone has its own noise
+QUIET_DB = -80.0  # below it two channels may be alike by rounding [dB re full scale]
 
 
 class AudioTrouble(IntFlag):

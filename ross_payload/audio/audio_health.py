@@ -14,15 +14,13 @@ import numpy as np
 from ross_payload.audio.live_source import SourceStatus, Watched
 from ross_payload.config import Config
 from ross_payload.events import Event
-from ross_payload.health import DEAD_DB, DEAD_FROM_HZ, AudioHealth, AudioTrouble
+from ross_payload.health import ALIKE, DEAD_DB, DEAD_FROM_HZ, QUIET_DB, AudioHealth, AudioTrouble
 from ross_payload.interfaces import UNHEARD, AudioBlock, AudioFlag, Input, Real
 
 PER_SECOND = 10  # judgements
 LEVELS, DEAD, LONG, GONE = 10, 20, 30, 5  # judgements that a verdict looks back: levels, dead, the slow ones, absent
 LOSS_REPORTED_S = 10.0  # [s]
 FLOOR_DB = -120.0
-QUIET_DB = -80.0  # below it two channels may be alike by rounding
-ALIKE = 1e-6  # share of power in which two channels of one microphone may differ: every microphone has its own noise
 OFFSET, STEADY = 3e-3, 3.0  # a constant part, re full scale, and re how the means of tenths of a second vary
 LOWEST, HIGHEST = 60.0, 500.0  # [Hz] in which polarity shows, between rumble and
 PHASE = 0.5  # [rad] that sound along the axis turns between the microphones, at most

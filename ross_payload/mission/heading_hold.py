@@ -17,6 +17,7 @@ from ross_payload.events import AlignmentCandidate, State, TurnStarted
 from ross_payload.interfaces import UNHEARD, AudioFlag, Input, Samples
 from ross_payload.mission.context import Context, Listening, Step, hop, speeds_by_hop
 from ross_payload.mission.heading_control import STILL, Follower
+from ross_payload.mission.hearing import identical
 from ross_payload.pointing import nearest_joint, nearest_limit
 
 MARGIN = math.radians(20)  # to the limits of the joint, where there is a choice: room to follow
@@ -92,7 +93,7 @@ def _track(context: Context, now: Input) -> None:
     """Let the tracker hear a hop, and turn a little when that is worth it; what is heard meanwhile counts."""
     if context.tracker is None:
         return
-    context.tracker.deaf = context.hearing.deaf
+    context.tracker.deaf = context.hearing.deaf or identical(now.block.samples)  # which passes for a move at once
     event, settings = context.tracker.hear(now, context.time), context.settings
     if event is not None:
         context.publish(event)

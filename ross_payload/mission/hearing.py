@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.fft import rfft
 
-from ross_payload.health import DEAD_DB, DEAD_FROM_HZ
+from ross_payload.health import ALIKE, DEAD_DB, DEAD_FROM_HZ, QUIET_DB
 from ross_payload.interfaces import UNHEARD, AudioFlag, Samples
 
 SHARE = 0.25  # of a task without sound, from which it cannot tell who is there
@@ -49,7 +49,7 @@ class Hearing:
     missing: _Without = field(default_factory=_Without)
     quiet: int = 0  # samples of them that are zeros without a flag, since the last sound
     dead: tuple[_Without, _Without] = field(default_factory=lambda: (_Without(), _Without()))
-    deaf: bool = False  # in the latest piece one was dead or saturated, or nothing came: it tells of no direction
+    deaf: bool = False  # in the latest piece one was dead or saturated, both were one, or nothing came: no direction
     _piece: list[Samples] = field(default_factory=list)  # the next one
     _length: int = 0  # of it [samples]
     _gone: int = 0  # samples of it that never came
@@ -72,7 +72,7 @@ class Hearing:
             piece = np.concatenate(self._piece, axis=1)
             self._judge(piece, self._gone)
             lately = self._gone == piece.shape[1] or any(dead.lately for dead in self.dead)
-            self.deaf = lately or (self._clipped and saturated(piece))
+            self.deaf = lately or (self._clipped and saturated(piece)) or identical(piece)
             self._piece.clear()
             self._length, self._gone, self._clipped = 0, 0, False
 
@@ -122,6 +122,18 @@ def saturated(piece: Samples) -> bool:
     size = np.abs(piece)
     full = (1 - CLOSE) * size.max(axis=1, keepdims=True)
     return bool(np.any(np.mean(size >= full, axis=1) > SATURATED))
+
+
+def identical(piece: Samples) -> bool:
+    """Whether both channels of a piece (2, n) are one microphone, as loud or not.
+
+    >>> one, other = np.random.default_rng(1).standard_normal((2, 1600))
+    >>> [identical(np.stack([one, 0.5 * one])), identical(np.stack([one, one + 0.01 * other]))]
+    [True, False]
+    """
+    moving = piece.astype(np.float64) - piece.mean(axis=1, dtype=np.float64, keepdims=True)
+    (first, product), (_, second) = moving @ moving.T / piece.shape[1]
+    return bool(min(first, second) > 10 ** (QUIET_DB / 10) and 1 - product**2 / (first * second) < ALIKE)
 
 
 @lru_cache(maxsize=4)

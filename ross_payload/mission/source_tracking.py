@@ -2,8 +2,8 @@
 
 Nothing of this waits for a separation. A track *acts* only when its source has left its place for sure and somebody
 else has not: until then azimuths are those of the exploration, which are sharper; and when everybody has moved alike it
-is the array that has slipped. What a dead or saturated microphone gives tells nothing of anybody, and is no reason to
-turn.
+is the array that has slipped. What a dead or saturated microphone gives, or one in both channels, tells nothing of
+anybody, and is no reason to turn.
 """
 
 from __future__ import annotations

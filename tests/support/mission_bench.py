@@ -149,8 +149,8 @@ class Rig:
         if self.moving:
             self.moving -= 1
             self.joint = self.goal if not self.moving else self.joint
-        samples = np.tile(np.float32([0.1, -0.1]), (2, HOP // 2))
-        block = AudioBlock(samples, self.hops * HOP, self.hops * HOP / RATE)
+        two = np.float32([[0.1, -0.1, 0.1, -0.1], [0.1, -0.1, 0.1, -0.09]])  # microphones
+        block = AudioBlock(np.tile(two, HOP // 4), self.hops * HOP, self.hops * HOP / RATE)
         self.hops += 1
         return Input(block, self.joint, Pointing(joint=self.joint), was == 0, Attitude(0.0, known=False))
 

@@ -161,6 +161,11 @@ def test_a_channel_that_stays_at_full_scale_tells_of_no_direction():
     assert heard_of_late(stuck, AudioFlag.CLIPPED)
 
 
+@pytest.mark.parametrize("factor", [1, 0.1, -1])
+def test_one_microphone_in_both_channels_tells_of_no_direction(factor):
+    assert heard_of_late(np.array([[1], [factor]]) * talk()[:1])
+
+
 @pytest.mark.parametrize(
     ("factors", "flag"),
     [((1, 0.3), AudioFlag.NONE), ((4, 4), AudioFlag.CLIPPED), ((1e-5, 1e-5), AudioFlag.NONE), ((0, 0), AudioFlag.NONE)],

@@ -220,6 +220,17 @@ def test_a_microphone_that_dies_is_no_reason_to_turn(microphone, noise, offset):
     assert any(isinstance(event, SourcesTracked) and event.time > 13 for event in said), "telemetry goes on"
 
 
+@pytest.mark.parametrize("factor", [1, 0.1])
+def test_a_microphone_that_comes_in_both_channels_is_no_reason_to_turn(factor):
+    """All seem to be at broadside at once, as where a sound server makes one channel of two."""
+    samples = noises([lambda _, a=a: a for a in (-60.0, 30.0, 120.0)], 10.0, 0.9)
+    begin = 4 * FS + 700
+    samples[1, begin:] = factor * samples[0, begin:]
+    said, listening = attended(samples, estimate(-60, 30, 120))
+    assert [event.reason for event in said if isinstance(event, TurnStarted)] == []
+    assert listening.deaf
+
+
 def test_who_walks_while_a_microphone_is_dead_is_found_when_it_works_again():
     def walks(time):
         return 100.0 + 8.0 * min(max(time - 2.0, 0.0), 4.0)
