@@ -116,6 +116,24 @@ def test_a_gimbal_that_is_stopped_while_it_catches_up_goes_no_farther_than_its_p
     assert rig.far_end.angle() <= 1.2 * ACCELERATION * 0.5**2  # to the stop half of it
 
 
+@pytest.mark.parametrize("begin", [0.94, *in_soak(0.98, 1.14)])
+@pytest.mark.parametrize("led", ["mavlink_gimbal", *in_soak("mavlink_gimbal:manager")])
+def test_a_gimbal_that_brakes_while_it_is_not_heard_is_led_no_farther(
+    led: str, begin: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It has got its set-points: to brake from where its report was, at the speed of then, would lead on beyond."""
+    rig = rig_that_reports_every(0.2, led, monkeypatch)
+    rig.actuator.command(2.0)
+    angles = []
+    for rig.wire.cut, duration in ((False, begin), (True, 0.3), (False, 3.0)):
+        for _ in range(round(duration / QUANTUM)):
+            rig.clock.sleep(QUANTUM)
+            angles.append(rig.far_end.angle())
+    assert "for more than 0.45 s" in rig.state.fault
+    assert max(angles) <= 2.0
+    assert np.max(np.maximum.accumulate(angles) - angles) <= math.radians(1)
+
+
 @pytest.mark.parametrize("period", [0.2, *in_soak(0.33)])
 @pytest.mark.parametrize("led", ["dronecan_servo", *in_soak("dronecan_servo:gimbal", "dronecan_servo:model")])
 def test_a_servo_that_is_stopped_decelerates(led: str, period: float, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -216,7 +216,8 @@ class MavlinkGimbal(Driver):
     def _begin(self, now: float) -> None:
         """We are in control, or see the gimbal again."""
         self._feedback.clear_doubts()
-        self._plan.resume(self._feedback, self._pending, now)
+        if self._pending is not None or not self._plan.rests_sooner_as_planned(self._feedback, now):
+            self._plan.resume(self._feedback, self._pending, now)
         self._pending, self._blind = None, False
 
     def _give_back(self, peer: GimbalManagerClient, motion: Motion, now: float) -> None:

@@ -105,6 +105,11 @@ class YawSetPoints(SetPoints):
             self.restless = now
         return rate, now - self.restless
 
+    def rests_sooner_as_planned(self, seen: GimbalFeedback, now: float) -> bool:
+        """Tell whether what brakes turns less when it goes on as planned than when it brakes from where it is seen."""
+        motion = self.motion
+        return motion is not None and self.brakes_after(seen.time) and not self._rests_sooner(seen, motion, now)
+
     def _rests_sooner(self, seen: GimbalFeedback, motion: Motion, now: float) -> bool:
         """Tell whether it turns less when it brakes from where it is seen than when it follows its plan."""
         position, rate = self._there(seen, now)
