@@ -89,6 +89,8 @@ class Hearing:
         spectrum = rfft(piece * _window(n))[:, first:]
         power = np.einsum("ij,ij->i", spectrum, spectrum.conj()).real
         soft = SOFT * float(np.sum(_window(n) ** 2)) * spectrum.shape[1]
+        if power.max() <= soft:  # of a quiet room neither tells whether it is dead
+            return
         for microphone, other in ((0, 1), (1, 0)):
             dead = power[microphone] * 10 ** (DEAD_DB / 10) < power[other] and power[other] > soft
             self.dead[microphone].add(n, sound=not dead)

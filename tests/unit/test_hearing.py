@@ -161,6 +161,17 @@ def test_a_channel_that_stays_at_full_scale_tells_of_no_direction():
     assert heard_of_late(stuck, AudioFlag.CLIPPED)
 
 
+def test_a_dead_microphone_stays_dead_while_the_other_gives_nothing_either():
+    """Behind a noise gate a pause is silence: then nothing is known of either."""
+    sound = talk() * np.array([[1], [0]])
+    sound[:, 8000:12800] = 0
+    assert heard_of_late(sound, seconds=0.7)
+    hearing = Hearing()
+    for hop in np.split(np.tile(sound, 2).astype(np.float32), 200, axis=1):
+        hearing.add(hop, 16000)
+    assert hearing.dead_for(1.0) == 2
+
+
 @pytest.mark.parametrize("factor", [1, 0.1, -1])
 def test_one_microphone_in_both_channels_tells_of_no_direction(factor):
     assert heard_of_late(np.array([[1], [factor]]) * talk()[:1])
