@@ -41,8 +41,10 @@ def names_in(folder: Path, suffix: str) -> tuple[str, ...]:
     ConfigError
         When the folder cannot be read.
     """
-    with refused_as(ConfigError, f"{folder}: cannot be read"):
-        return tuple(sorted(path.name.removesuffix(suffix) for path in folder.glob(f"[!.]*{suffix}")))
+    with refused_as(ConfigError, f"{folder}: cannot be read"), suppress(FileNotFoundError):
+        names = (path.name for path in folder.iterdir())  # which says what `glob` passes over: that it cannot be read
+        return tuple(sorted(name.removesuffix(suffix) for name in names if name.endswith(suffix) and name[0] != "."))
+    return ()
 
 
 class Damaged(ConfigError):

@@ -7,12 +7,14 @@ import os
 import stat
 import subprocess
 import sys
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from nobody import nobody
 from ross_payload.bounded_files import set_aside
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
@@ -95,6 +97,15 @@ def test_names_are_listed_and_forgotten(model, store):
     store.forget("ann")
     assert store.names() == ("bob",)
     assert not store.path("ann").exists()
+
+
+def test_a_folder_that_cannot_be_read_is_not_called_empty():
+    with tempfile.TemporaryDirectory() as entered:  # by anybody, as those of pytest are not
+        Path(entered).chmod(0o755)
+        closed = Path(entered) / "closed"
+        closed.mkdir(mode=0)
+        with nobody(), pytest.raises(ConfigError, match=f"{closed}: cannot be read: Permission denied"):
+            VoiceStore(closed).names()
 
 
 KILLED = """
