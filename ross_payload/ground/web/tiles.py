@@ -7,7 +7,7 @@ import math
 import re
 import sqlite3
 import threading
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -44,8 +44,11 @@ class Tiles(AbstractContextManager["Tiles"]):
             raise GroundError(f"--map {path}: {EXPECTED}, got {'a folder' if path.is_dir() else 'no such file'}")
         self._lock = threading.Lock()
         try:
-            self._file = sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True, check_same_thread=False)
-            self.about = self._look(path)
+            address = f"{path.resolve().as_uri()}?mode=ro"
+            with ExitStack() as opened:
+                self._file = opened.enter_context(closing(sqlite3.connect(address, uri=True, check_same_thread=False)))
+                self.about = self._look(path)
+                opened.pop_all()
         except (sqlite3.Error, OverflowError, UnicodeDecodeError) as error:
             raise GroundError(f"--map {path}: {EXPECTED}, got: {error}") from error
 
