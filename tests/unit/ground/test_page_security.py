@@ -265,8 +265,14 @@ new_certs_dir=.
 rand_serial=yes
 default_md=sha256
 policy=p
+x509_extensions=v
 [p]
 commonName=supplied
+[v]
+subjectKeyIdentifier=hash
+authorityKeyIdentifier=keyid
+basicConstraints=critical,CA:true
+keyUsage=digitalSignature,keyCertSign
 """
 
 
