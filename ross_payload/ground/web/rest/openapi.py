@@ -11,7 +11,7 @@ from pydantic.json_schema import GenerateJsonSchema
 
 from ross_payload import __version__
 from ross_payload.ground.web.rest.operation import JSON, Operation
-from ross_payload.ground.web.rest.problems import CODES, MEDIA, Problem
+from ross_payload.ground.web.rest.problems import CODES, MEDIA, Problem, phrase
 from ross_payload.ground.web.rest.programs import ANYBODY, HEADER, NAME_PATTERN
 
 Groups = Mapping[str, Sequence[Operation]]
@@ -126,7 +126,7 @@ def _of_model(model: type[BaseModel], place: str) -> Iterator[Json]:
 
 def _problems() -> Json:
     content = {MEDIA: {"schema": {"$ref": REFERENCE.format(model="Problem")}}}
-    return {_name(each): {"description": HTTPStatus(each).phrase, "content": content} for each in CODES}
+    return {_name(each): {"description": phrase(each), "content": content} for each in CODES}
 
 
 def _name(status: int) -> str:
@@ -135,7 +135,7 @@ def _name(status: int) -> str:
     >>> _name(404)
     'NotFound'
     """
-    return HTTPStatus(status).phrase.title().replace(" ", "").replace("-", "")
+    return phrase(status).title().replace(" ", "").replace("-", "")
 
 
 def _security() -> Json:

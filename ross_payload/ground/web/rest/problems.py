@@ -19,6 +19,7 @@ from ross_payload.ground.web.security import shown
 
 MEDIA = "application/problem+json"
 PATH = "/api/"  # below it all that is no answer is a problem
+RENAMED = {413: "Content Too Large", 416: "Range Not Satisfiable", 422: "Unprocessable Content"}  # by RFC 9110
 CODES = {
     400: "malformed",
     401: "no-token",
@@ -61,6 +62,15 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 Place = Literal["path", "query", "header", "body"]
 
 
+def phrase(status: int) -> str:
+    """Return the name of a status in RFC 9110, with any version of Python.
+
+    >>> phrase(404), phrase(422)
+    ('Not Found', 'Unprocessable Content')
+    """
+    return RENAMED.get(status) or HTTPStatus(status).phrase
+
+
 class WrongValue(Answer):
     """One value that cannot be meant."""
 
@@ -99,7 +109,7 @@ class Refusal(Exception):
     def response(self) -> web.Response:
         """Return the answer."""
         problem = Problem(
-            title=HTTPStatus(self.status).phrase,
+            title=phrase(self.status),
             status=self.status,
             detail=" ".join(self.detail.split()),
             code=self.code,
