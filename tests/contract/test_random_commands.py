@@ -34,6 +34,8 @@ steps_of_any = st.lists(st.tuples(whats, goals, rates, st.integers(0, 90)), min_
 SPEEDING_UP = [("go", -1.0, 1.0, 57), ("go", 40.0, None, 62), ("go", 0.0, None, 44), ("go", 42.0, None, 10)]
 # A stop between two set-points of a gimbal that follows their rhythm.
 OUT_OF_STEP = [("go", -187.0, None, 87), ("stop", 0.0, None, 60)]
+# The highest set-point of a move that turns back: twice the same.
+TURNING_BACK = [("go", 0.0, 96.5, 76), ("go", -178.4, None, 117), ("go", 200.0, None, 93), ("go", 0.0, None, 59)]
 # A stop while it homes, in the middle of a move.
 HOMING = [("go", 117.0, 184.0, 50), ("home", 0.0, None, 16), ("stop", 0.0, None, 20)]
 
@@ -84,7 +86,9 @@ def test_no_sequence_of_commands_breaks_a_limit_or_a_cap(kind: str) -> None:
     holds()
 
 
-@pytest.mark.parametrize("steps", [SPEEDING_UP, OUT_OF_STEP], ids=["speeding up", "out of step"])
+@pytest.mark.parametrize(
+    "steps", [SPEEDING_UP, OUT_OF_STEP, TURNING_BACK], ids=["speeding up", "out of step", "turning back"]
+)
 @pytest.mark.parametrize("kind", ["mavlink_gimbal", "dronecan_servo:gimbal", *in_soak("mavlink_gimbal:manager")])
 def test_what_a_gimbal_once_did_wrong_breaks_no_limit_or_cap(kind: str, steps: list[Step]) -> None:
     obeys(kind, steps)

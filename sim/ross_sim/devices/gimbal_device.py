@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import cycle
@@ -73,7 +74,8 @@ class Device:
         self._earth = earth
         self._rate = 0.0
         self._goal, self._from, self._since = 0.0, 0.0, -math.inf  # set-point, the one before, when it came
-        self._glide, self._gap = GLIDE, 0.0  # in which it is approached; between the last two of a stream [s]
+        self._glide = GLIDE  # in which it is approached [s]
+        self._gaps = deque([0.0] * 4, maxlen=4)  # between set-points that differ, of a stream [s]
         self._locked: float | None = None  # set-point from north [rad]
         self._now, self._boot, self._lags = now, now - up, cycle(STAMP_LAGS)
         self._managed = -math.inf
@@ -172,10 +174,10 @@ class Device:
         if goal == before:
             return  # repeated, as managers do
         self._from += self._share() * (before - self._from)
-        last, gap = self._gap, self._now - self._since
-        self._goal, self._since = goal, self._now
-        self._gap = gap if GLIDE + EARLY < gap <= LONGEST_GLIDE + EARLY else 0.0
-        self._glide = max(GLIDE, self._gap, last)  # of two: a manager that repeats them has a rhythm of its own
+        gap = self._now - self._since
+        self._gaps.append(gap if gap <= LONGEST_GLIDE + EARLY else 0.0)
+        # One long gap is that of a set-point which came again; two are those of a manager that repeats each.
+        self._goal, self._since, self._glide = goal, self._now, max(GLIDE, sorted(self._gaps)[-2])
 
     def _share(self) -> float:
         """Return how far it is on the way from the set-point before to the last one, 0 to 1."""
