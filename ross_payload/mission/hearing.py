@@ -15,6 +15,7 @@ from ross_payload.interfaces import UNHEARD, AudioFlag, Samples
 SHARE = 0.25  # of a task without sound, from which it cannot tell who is there
 LATELY_S = 2.0  # without sound at its end, from which it cannot either
 PIECE_S = 0.1  # of sound, which is judged
+BRIEFLY_S = 0.3  # one that gave no sound for less, before neither did, had its noise gate close first
 SATURATED = 0.03  # of the samples of a piece at full scale: from there on its phases tell of no direction
 CLOSE = 2.0**-14  # to the loudest sample: as loud; 16 bits end at 1 - 2**-15
 SOFT = 2.0**-31  # power that 16 bits may not resolve: of sound no louder than it one microphone may give zeros alone
@@ -90,6 +91,8 @@ class Hearing:
         power = np.einsum("ij,ij->i", spectrum, spectrum.conj()).real
         soft = SOFT * float(np.sum(_window(n) ** 2)) * spectrum.shape[1]
         if power.max() <= soft:  # of a quiet room neither tells whether it is dead
+            for silent in self.dead:
+                silent.lately = silent.lately if silent.lately >= BRIEFLY_S * self.rate else 0
             return
         for microphone, other in ((0, 1), (1, 0)):
             dead = power[microphone] * 10 ** (DEAD_DB / 10) < power[other] and power[other] > soft

@@ -172,6 +172,14 @@ def test_a_dead_microphone_stays_dead_while_the_other_gives_nothing_either():
     assert hearing.dead_for(1.0) == 2
 
 
+def test_a_microphone_whose_noise_gate_closes_first_is_not_dead_in_the_pause():
+    """The pause would make a period one that tells of nobody."""
+    sound = talk()
+    sound[:, 8000:] = 0
+    sound[1, 6400:] = 0
+    assert not heard_of_late(sound, seconds=0.7)
+
+
 @pytest.mark.parametrize("factor", [1, 0.1, -1])
 def test_one_microphone_in_both_channels_tells_of_no_direction(factor):
     assert heard_of_late(np.array([[1], [factor]]) * talk()[:1])
