@@ -72,6 +72,7 @@ class SetPoints:
         self._led = math.inf  # which time of the plan the last set-point was of [s]; infinity: there was none
         self._asked: float | None = None  # the last set-point [rad]; None: none since it began from rest
         self._again = math.nan  # where this turn was begun again last [rad]
+        self.supposed = False  # it began, unseen, at the last set-point before a pause, which may not have arrived
 
     def turn(self, move: Move, position: float, velocity: float, now: float) -> None:
         """Go to a goal from ``position`` [rad] with ``velocity`` [rad/s]."""
@@ -97,7 +98,9 @@ class SetPoints:
         if velocity:
             self._go(self._to_rest(position, velocity), now)
         elif position != self.motion.plan.goal:  # a goal that was given in this very moment
+            supposed = self.supposed
             self._go(Trapezoid.still(position), now)
+            self.supposed = supposed
 
     def hold(self, angle: float, now: float) -> None:
         """Stay at an angle [rad]."""
@@ -136,10 +139,12 @@ class SetPoints:
         position, velocity = seen or (motion.plan.start if self._asked is None else self._asked, 0.0)
         if late <= self._pause:
             self.motion = Motion(motion.plan, motion.begin + late)
-        elif self._turning:
+            return
+        if self._turning:
             self.turn(Move(motion.plan.goal, motion.plan.speed), position, velocity, now)
         else:
             self.settle(position, velocity, now)
+        self.supposed = seen is None
 
     def brakes_after(self, time: float) -> bool:
         """Tell whether it brakes, or was to brake, later than ``time`` [s]."""
@@ -179,5 +184,6 @@ class SetPoints:
 
     def _go(self, plan: Trapezoid, now: float) -> None:
         self.motion, self._turning, self._led = Motion(plan, now), False, math.inf
+        self.supposed = False
         if not plan.velocity:  # a device that follows set-points would see a jump in their rhythm as one of speed
             self.sent, self.pace, self._asked = -math.inf, self.ahead, None

@@ -175,8 +175,8 @@ class DronecanServo(Driver):
 
     def _is_unled(self, heard_at: float) -> bool:
         """Tell whether it was to move, and was not heard since ``heard_at`` [s]: nor were we, maybe."""
-        motion = self._plan.motion
-        moved = motion is not None and motion.plan.duration > 0.0 and motion.end > heard_at
+        motion, supposed = self._plan.motion, self._plan.supposed
+        moved = motion is not None and (motion.plan.duration > 0.0 or supposed) and motion.end > heard_at
         late = ALIVE_TIMEOUT_S if self._client.only_beats else self._gaps.unusual(LATE_REPORT_S)
         return moved and self._silence > late
 
