@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import dct, irfft, rfft
+from scipy.fft import dct, idct, irfft, rfft
 
 from ross_payload.dsp.recording_limits import HIGHEST_RATE
 from ross_payload.errors import AudioError
@@ -28,6 +28,7 @@ CEPSTRA = 24  # c1..c24; c0 is loudness and stays out
 DELTA_GAIN = 3.0  # brings the slopes to the size of the cepstra
 FLOOR = 10**-2.0  # of the mean band power: what lies below is hidden by noise or by a separator anyway
 PITCH_RANGE = (60.0, 400.0)  # [Hz]
+HUM_EDGES = (65.0, 75.0)  # [Hz]: below is hum of the mains, wind and drift, above are voices
 PERIODICITY = 0.45  # normalised autocorrelation from which a frame is voiced
 LOUDNESS = 10**-2.5  # of the 95th percentile of the frame power: softer frames are pauses or leakage
 
@@ -91,6 +92,24 @@ def at_rate(samples: Real, rate: int) -> Real:
 
     common = math.gcd(rate, RATE)
     return np.asarray(resample_poly(samples, RATE // common, rate // common))
+
+
+def without_hum(samples: Real) -> Real:
+    """Take out of samples (n,) at RATE what lies below HUM_EDGES; a cosine transform has no jump from end to start.
+
+    Examples
+    --------
+    Half a second of a tone of 50 Hz, and another one of 100 Hz:
+
+    >>> time = np.arange(8000) / RATE
+    >>> [round(float(without_hum(np.cos(2 * np.pi * f * time)).std()), 2) for f in (50, 100)]
+    [0.0, 0.71]
+    """
+    frequencies = np.arange(samples.size) * (RATE / (2 * samples.size))
+    low, high = HUM_EDGES
+    return np.asarray(
+        idct(dct(samples, norm="ortho") * np.clip((frequencies - low) / (high - low), 0, 1), norm="ortho")
+    )
 
 
 def mel_filters() -> Real:

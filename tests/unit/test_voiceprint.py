@@ -124,6 +124,8 @@ def broken(voice, index, value):
         (np.full(4 * RATE, 0.5), "expected speech, got 4.0 s of a constant level, 0.5 re full scale"),
         (-0.25 + 1e-5 * np.random.default_rng(0).standard_normal(4 * RATE), "of a constant level, -0.25 re full scale"),
         (tone(440), "expected speech, got a tone of 440 Hz"),
+        (np.round(2**15 * tone(50)) / 2**15, "expected speech, got a tone of 50 Hz"),
+        (tone(0.3) + 0.001 * np.random.default_rng(0).standard_normal(4 * RATE), "got a level that drifts"),
         (0.3 + tone(123) + 0.01 * np.random.default_rng(0).standard_normal(4 * RATE), "got a tone of 123 Hz"),
         (1e30 * talk(ANN, 4, seed=0), r"expected samples of at most 1e\+06 re full scale, got .*e\+29"),
         (np.zeros((2, 4 * RATE)), "one channel"),
@@ -151,9 +153,19 @@ def test_numbers_that_are_not_finite_are_refused_when_scoring(ann):
         ann.score(broken(talk(ANN, 3, seed=0), 0, np.nan), RATE)
 
 
-def test_speech_under_a_hum_as_loud_as_it_is_no_tone():
-    voice = talk(ANN, 4, seed=0)
-    enrol(voice + tone(50) * voice.std() / tone(50).std(), RATE)
+@pytest.mark.parametrize("talker", [ANN, BOB])
+@pytest.mark.parametrize(("frequency", "gain"), [(0.3, 10), (50, 1), (50, 10), (60, 0.25), (60, 10)])
+def test_drift_and_the_hum_of_the_mains_are_no_part_of_a_voice(talker, frequency, gain):
+    voice, hum = talk(talker, 4, seed=0), tone(frequency)
+    hummed, clean = enrol(voice + gain * hum * voice.std() / hum.std(), RATE), enrol(voice, RATE)
+    for seed in range(3):
+        heard = talk(talker, 4, seed=seed + 1)
+        assert hummed.score(heard, RATE).value == pytest.approx(clean.score(heard, RATE).value, abs=1.0)
+
+
+def test_a_slow_tone_at_the_rate_of_a_sound_card_is_not_called_clipped():
+    with pytest.raises(AudioError, match="expected speech, got a tone of 50 Hz"):
+        enrol(0.3 * np.sin(2 * np.pi * 50 * np.arange(4 * 48_000) / 48_000), 48_000)
 
 
 def test_loud_speech_that_is_not_cut_is_not_called_clipped():
