@@ -77,6 +77,16 @@ def alive(group):
     return [line for line in lines if line[0] == str(group) and not line[1].startswith("Z")]
 
 
+def test_a_study_outlives_the_reader_of_its_lines(asked, tmp_path):
+    command = [sys.executable, "-m", "ross_payload.cli", *asked, "--out", tmp_path / "out"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        running.stdout.close()
+        assert running.stderr.read() == "ross: nobody reads the output any more; the study goes on for what it writes\n"
+    assert running.returncode == 0
+    assert journal(tmp_path / "out") == TASKS
+    assert (tmp_path / "out" / "tables.md").exists()
+
+
 @pytest.mark.soak  # of one that a full disk ends: below
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_study_that_was_killed_goes_on_and_ends_with_the_same_rows(run, asked, tmp_path, workers):

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import logging
 import math
-import os
-import sys
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from itertools import pairwise
 
-import click
 from rich.console import Console, Group
 from rich.live import Live
 from rich.progress_bar import ProgressBar
@@ -23,6 +20,7 @@ from ross_payload.interfaces import Input, Real
 from ross_payload.mission.exploit import HEARD_BEFORE
 from ross_payload.telemetry.status_texts import contradicted
 from ross_protocols.angle_text import bearing, bearings, frame, rotation
+from ross_sim.unread_console import UnreadConsole
 
 BARS = " ▁▂▃▄▅▆▇█"
 LINES = 6  # of the log under the live view
@@ -241,23 +239,12 @@ def waiting(as_json: bool, what: str) -> AbstractContextManager[object]:
     return nullcontext() if as_json or not console.is_terminal else console.status(what)
 
 
-class _UnreadConsole(Console):
-    """Standard output whose reader may go, as ``head -1`` does, while the mission goes on."""
-
-    def on_broken_pipe(self) -> None:
-        """Say so once, and write to nobody from here on; without this method rich ends the program."""
-        nobody = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nobody, sys.stdout.fileno())
-        os.close(nobody)
-        click.echo("ross: nobody reads the output any more; the mission goes on for what it writes", err=True)
-
-
 def view_of(as_json: bool, expected: float, writes: bool = False) -> MissionView:
     """Choose a view: none for machines, a live one on a terminal, lines elsewhere; ``expected`` is in [s].
 
     A mission that ``writes`` files outlives the reader of its lines.
     """
-    console = _UnreadConsole() if writes else Console()
+    console = UnreadConsole("the mission") if writes else Console()
     if as_json:
         return MissionView()
     return LiveView(console, expected) if console.is_terminal else PlainLines(console)

@@ -34,6 +34,7 @@ from ross_sim.study.study_store import Rows, Store, manifest
 from ross_sim.study.tables import Table
 from ross_sim.study.talker_placement import Source, check_voices, heard_as, voices_of
 from ross_sim.study.task_engine import Engine, EngineChoice, Named, processes, serial
+from ross_sim.unread_console import UnreadConsole
 
 EVERY = 60.0  # between plain lines [s]
 
@@ -141,7 +142,7 @@ class Work:
 
 def carried_out(work: Work, store: Store[Rows], finish: Callable[[], list[Table]]) -> int:
     """Do what is left of a study, write rows and tables, and show the tables; returns the exit code."""
-    console, clock = Console(), SystemClock()
+    console, clock = UnreadConsole("the study"), SystemClock()
     began = clock.now()
     try:
         failures = measure(_engine(work, console), work.function, work.left, store, clock.now, console=console)

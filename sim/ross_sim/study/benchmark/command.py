@@ -71,12 +71,11 @@ class _Shown:
     """How far it is."""
 
     def __init__(self, total: int) -> None:
-        from rich.console import Console
-
         from ross_payload.clock import SystemClock
         from ross_sim.study.study_run import view_of
+        from ross_sim.unread_console import UnreadConsole
 
-        self._view = view_of(Console(), total, 0, SystemClock().now)
+        self._view = view_of(UnreadConsole("the build"), total, 0, SystemClock().now)
 
     def __enter__(self) -> _Shown:
         return self
