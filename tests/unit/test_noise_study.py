@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, OutputError
 from ross_sim.study import noise_scenes, noise_study
 from ross_sim.study.command import command
 from ross_sim.study.mixtures import RATE
@@ -178,6 +178,14 @@ def test_two_commands_that_add_to_one_file_are_refused_in_one_line(tmp_path, spe
     assert not list(out.iterdir())
     with alone_with(rows):  # as after a kill
         pass
+
+
+def test_what_went_wrong_with_the_rows_is_told_where_the_lock_cannot_be_taken_away(tmp_path):
+    rows, lock = tmp_path / "rows.csv", tmp_path / ".rows.csv.lock"
+    with pytest.raises(OutputError, match="the disk is read-only"), alone_with(rows):
+        lock.unlink()
+        lock.mkdir()  # which, as all of a disk that has become read-only, cannot be unlinked
+        raise OutputError("the disk is read-only")
 
 
 def test_recordings_of_noise_may_come_later_but_not_others(tmp_path):
