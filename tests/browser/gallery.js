@@ -10,7 +10,7 @@ import { strip } from "/assets/instruments/mission-chart.js";
 
 const gallery = document.getElementById("gallery");
 let state = { sections: {}, now: 0, selected: null, hovered: null, drag: null, cursor: null, mayOrder: true };
-const told = { turned: [], selected: [] };
+const told = { turned: [], chosen: [], selected: [] };
 
 const change = (patch) => {
   state = { ...state, ...patch };
@@ -20,6 +20,7 @@ const change = (patch) => {
 const hands = {
   onSelect: (selected) => { told.selected.push(selected); change({ selected }); },
   onTurn: (heading) => told.turned.push(heading),
+  onChoose: (heading) => told.chosen.push(heading),
   onDrag: (drag) => change({ drag }),
   onHover: (hovered) => queueMicrotask(() => change({ hovered })), // it may come while drawing
   onCursor: (cursor) => change({ cursor }),

@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from browsing import drawn
 from gallery import board_of
 from scenes import UNIT, pointing, scene, scenes, source, three
 
@@ -212,13 +213,60 @@ def test_a_finger_drags_the_axis_and_the_page_stays(board):
         fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
     fingers.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
     fingers.detach()
-    assert page.evaluate("[told.turned, scrollY]") == [[135], 0]
+    assert page.evaluate("[told.turned, told.chosen, scrollY]") == [[], [135], 0]  # chosen, to be confirmed
 
 
-def test_a_click_on_the_handle_orders_nothing(board):
+def swipe(page, path, rest_ms=0):
+    """Let a finger go from place to place in steps, as a hand does."""
+    fingers = page.context.new_cdp_session(page)
+    fingers.send("Emulation.setTouchEmulationEnabled", {"enabled": True})
+    drawn(page)  # a page that does not answer at once scrolls
+    for index, (x, y) in enumerate(path):
+        kind = "touchMove" if index else "touchStart"
+        fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
+        page.wait_for_timeout(16 if index else rest_ms)
+    page.wait_for_timeout(200)  # else the page would scroll on by itself
+    fingers.send("Input.dispatchTouchEvent", {"type": "touchMove", "touchPoints": [{"x": x, "y": y}]})
+    fingers.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    fingers.detach()
+
+
+@pytest.mark.parametrize("place", [96, RIM])  # the circle on the axis, and its end
+@pytest.mark.parametrize("heading", [0, 20, 90])
+def test_a_swipe_that_begins_on_the_axis_scrolls_the_page(board, heading, place):
+    page = board(scene([source(0, 140)], heading=float(heading)), width=360)
+    page.evaluate("scrollTo(0, 0)")
+    x, y = on_screen(page, heading, place)
+    path = [(x + step / 10, y - step) for step in range(0, 81, 8)]
+    if y < 100:
+        path = [(x - 2, y + 20 - step) for step in range(0, 81, 8)]
+    swipe(page, path)
+    page.wait_for_function("scrollY > 20")
+    assert page.evaluate("[told.turned, told.chosen]") == [[], []]
+    assert page.locator(".ghost.drag").count() == 0
+    page.evaluate("scrollTo(0, 0)")
+
+
+def test_a_finger_that_rests_first_drags_up_and_down(board):
+    page = board(scene([source(0, 140)], heading=90.0), width=360)
+    page.evaluate("scrollTo(0, 0)")
+    swipe(page, [on_screen(page, angle, 96) for angle in range(90, 131, 4)], rest_ms=400)
+    assert page.evaluate("[told.turned, told.chosen, scrollY]") == [[], [130], 0]
+
+
+@pytest.mark.parametrize("where", [(45, 96), (52, 96), (52, RIM), (219, 90)])
+def test_a_click_on_the_handle_orders_nothing(board, where):
+    """Also on its edge, which is seen at another angle than its middle."""
     page = board(three())
-    page.mouse.click(*on_screen(page, 45, 96))
-    assert page.evaluate("told.turned") == []
+    page.mouse.click(*on_screen(page, *where))
+    assert page.evaluate("[told.turned, told.chosen]") == [[], []]
+    assert page.locator(".ghost.drag").count() == 0
+
+
+def test_a_tap_on_the_handle_chooses_nothing(board):
+    page = board(three(), width=360)
+    swipe(page, [on_screen(page, 52, 96)])
+    assert page.evaluate("[told.turned, told.chosen]") == [[], []]
 
 
 def test_escape_gives_a_drag_up(board):

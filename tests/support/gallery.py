@@ -58,7 +58,8 @@ class Board:
         self._page.evaluate("theme => { document.documentElement.dataset.theme = theme; }", theme)
         blank = {"selected": None, "hovered": None, "drag": None, "cursor": None, "mayOrder": True, "now": NOW}
         self._page.evaluate(
-            "state => { told.turned = []; told.selected = []; show(state); }", {**blank, "sections": sections, **state}
+            "state => { told.turned = []; told.chosen = []; told.selected = []; show(state); }",
+            {**blank, "sections": sections, **state},
         )
         return self._page
 

@@ -9,6 +9,7 @@ import { html, render } from "./templates.js";
 import { blank, closed, connect, liveAddress, take, watching } from "./connection.js";
 import { banners } from "./parts/banners.js";
 import { header } from "./parts/header.js";
+import { chosenHeading } from "./parts/chosen-heading.js";
 import { joined } from "./parts/comparison.js";
 import { answered } from "./parts/playback.js";
 import { routeOf, titleOf } from "./route.js";
@@ -37,6 +38,7 @@ class Page {
       selected: null,
       hovered: null,
       drag: null,
+      chosen: null, // heading that a finger has chosen, to be confirmed
       stop: null,
       filter: "",
       drafts: new Map(),
@@ -121,7 +123,7 @@ class Page {
   watch(id) {
     this.listening.stop(); // what is heard is what is on the screen
     this.store = watching(this.store, id);
-    this.ui = { ...this.ui, selected: null, hovered: null, drag: null, cursor: null, drafts: new Map(), filter: "", enrolling: null };
+    this.ui = { ...this.ui, selected: null, hovered: null, drag: null, chosen: null, cursor: null, drafts: new Map(), filter: "", enrolling: null };
     this.send(id ? { type: "watch", id } : { type: "unwatch" });
   }
 
@@ -145,7 +147,7 @@ class Page {
   /** Stop these payloads. Without a link it is sent as soon as there is one: a late stop still stops. */
   stop(ids) {
     const sent = this.over !== "" || ids.map((id) => this.order(id, { kind: "stop" })).every(Boolean);
-    this.change({ stop: { ids, at: performance.now(), now: this.now(), waiting: !sent, stopped: [] } });
+    this.change({ stop: { ids, at: performance.now(), now: this.now(), waiting: !sent, stopped: [] }, chosen: null });
   }
 
   /** Say a stop again to whom it has not stopped: it may have been lost with the old socket. */
@@ -212,7 +214,7 @@ class Page {
   }
 
   paint() {
-    this.ui = { ...this.ui, stop: followed(this) };
+    this.ui = { ...this.ui, stop: followed(this), chosen: chosenHeading(this) };
     const view = VIEWS[this.route.view];
     render(
       html`<div class="pinned">${header(this)}${banners(this)}</div>

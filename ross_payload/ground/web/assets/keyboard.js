@@ -8,7 +8,7 @@ const TWICE = 1000; // [ms] between two presses of Escape that stop
 
 /**
  * Escape twice within a second, or held, stops: it types nothing, so that it works in every field. `?` shows the help.
- * A first Escape gives up a drag, and closes the help and the form of an enrolment.
+ * A first Escape gives up a drag and a chosen heading, and closes the help and the form of an enrolment.
  */
 export function pressed(page, event) {
   if (event.key === "Escape") escape(page, event);
@@ -21,11 +21,11 @@ function escape(page, event) {
   const again = event.repeat || event.timeStamp - page.ui.lastEscape < TWICE;
   if (again && !(event.repeat && page.ui.lastEscape < 0)) {
     page.stop(stopTargets(page));
-    page.change({ lastEscape: -Infinity, drag: null }); // a held key stops once
+    page.change({ lastEscape: -Infinity, drag: null, chosen: null }); // a held key stops once
     return;
   }
   if (event.repeat) return;
-  page.change({ lastEscape: event.timeStamp, drag: null, help: false });
+  page.change({ lastEscape: event.timeStamp, drag: null, chosen: null, help: false });
 }
 
 function isTyping(element) {

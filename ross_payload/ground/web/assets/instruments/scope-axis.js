@@ -11,6 +11,9 @@ const GRIP = 0.64 * RIM; // where the knobs are: on the rim they would lie on so
 const END = 22; // radius of an end of the axis that the pointer can take
 const STEP = 1; // degrees per arrow key; with shift ten
 const STILL = 1; // degrees that a drag must make to be an order
+const CLICK = 4; // [px] that a pointer must move to drag
+const SWIPE = 250; // [ms] within which a finger that begins to move up or down scrolls the page
+const STEEP = Math.tan(Math.PI / 3); // down for one across, from which on that is up or down
 
 /** The axis both ways: nothing at either end tells front from back. */
 export function axis(heading) {
@@ -31,13 +34,13 @@ function microphone(number, angle) {
 }
 
 /** Both ends of the axis, for the pointer alone: they lie under the sources, which are drawn later. */
-export function ends({ heading, drag, mayOrder, onDrag, onTurn }) {
+export function ends({ heading, drag, mayOrder, onDrag, onTurn, onChoose }) {
   if (!known(heading) || !mayOrder) return nothing;
-  const hand = listeners({ heading, drag, onDrag, onTurn });
+  const hand = listeners({ heading, drag, onDrag, onTurn, onChoose });
   const shown = known(drag) ? drag : heading;
   return svg`<g class=${known(drag) ? "ends held" : "ends"} aria-hidden="true"
     @pointerdown=${hand.down} @pointermove=${hand.move} @pointerup=${hand.up} @pointercancel=${hand.away}
-    @touchstart=${hand.touch}>${[0, 180].map((end) => endOf(shown, end))}</g>`;
+    @touchmove=${hand.touch}>${[0, 180].map((end) => endOf(shown, end))}</g>`;
 }
 
 function endOf(heading, end) {
@@ -58,19 +61,20 @@ export const isBeyond = (heading, limits) => Boolean(limits) && !within(heading,
 
 /**
  * The handle: a slider. Arrows turn it by one degree, with shift by ten, Enter orders, Escape gives up; the pointer
- * drags either end. `onDrag` hears where it is (null: let go), `onTurn` what was ordered.
+ * drags either end. `onDrag` hears where it is (null: let go), `onTurn` what was ordered, `onChoose` what a finger has
+ * chosen and is to be confirmed.
  */
-export function handle({ heading, drag, limits, mayOrder, onDrag, onTurn }) {
+export function handle({ heading, drag, limits, mayOrder, onDrag, onTurn, onChoose }) {
   if (!known(heading)) return nothing;
   const shown = known(drag) ? drag : heading;
-  const hand = mayOrder ? listeners({ heading, drag, onDrag, onTurn }) : idle;
+  const hand = mayOrder ? listeners({ heading, drag, onDrag, onTurn, onChoose }) : idle;
   const words = dragWords(shown, known(drag), isBeyond(shown, limits));
   return svg`<g class=${known(drag) ? "handle held" : "handle"} role="slider" tabindex=${mayOrder ? 0 : -1}
     aria-label="heading of the axis" aria-valuemin="0" aria-valuemax="359"
     aria-valuenow=${Math.round(wrap(shown)) % 360} aria-valuetext=${words} aria-disabled=${mayOrder ? "false" : "true"}
     @keydown=${hand.key}
     @pointerdown=${hand.down} @pointermove=${hand.move} @pointerup=${hand.up} @pointercancel=${hand.away}
-    @touchstart=${hand.touch}>
+    @touchmove=${hand.touch}>
     <title>axis ${axisWords(shown)}</title>${grip(shown, 0)}${grip(shown, 180)}</g>`;
 }
 
@@ -83,20 +87,30 @@ function grip(heading, end) {
 const ignore = () => {};
 const idle = { key: ignore, down: ignore, move: ignore, up: ignore, away: ignore, touch: ignore };
 
-/** What the hand does. The pointer that holds the handle, and by which end, is kept on the element itself. */
-function listeners({ heading, drag, onDrag, onTurn }) {
+/**
+ * What the hand does. The pointer that holds the handle, and by which end, is kept on the element itself. What a mouse
+ * drags is ordered; a finger may have meant to scroll: of what it drags is asked.
+ */
+function listeners({ heading, drag, onDrag, onTurn, onChoose }) {
   const drop = (event) => (release(event.currentTarget), onDrag(null));
   const up = (event) => {
     const goal = goalOf(event);
+    const made = moved(event);
     drop(event);
-    if (Math.abs(turn(heading, goal)) >= STILL) onTurn(goal);
+    if (!made || Math.abs(turn(heading, goal)) < STILL) return;
+    if (event.pointerType === "mouse") onTurn(goal);
+    else onChoose(goal);
+  };
+  const move = (event) => {
+    if (!event.buttons) drop(event); // its release may be lost
+    else if (moved(event)) onDrag(goalOf(event));
   };
   return {
     down: take,
-    move: (event) => holds(event) && (event.buttons ? onDrag(goalOf(event)) : drop(event)), // its release may be lost
+    move: (event) => holds(event) && move(event),
     up: (event) => holds(event) && up(event),
-    away: drop,
-    touch: (event) => event.preventDefault(), // else the page scrolls: touch-action does not work inside of an SVG
+    away: (event) => holds(event) && drop(event),
+    touch: (event) => touched(event) && event.preventDefault(), // touch-action does not work inside of an SVG
     key: (event) => pressed(event, { heading, drag, onDrag, onTurn }),
   };
 }
@@ -104,13 +118,31 @@ function listeners({ heading, drag, onDrag, onTurn }) {
 /** The heading of microphone 2 when the end that is held points to the pointer. */
 const goalOf = (event) => wrap(Math.round(seen(event) - Number(event.currentTarget.dataset.end)));
 const holds = (event) => event.currentTarget.dataset.pointer === String(event.pointerId);
+const taken = new WeakMap(); // by element: where and when the pointer took it, and whether it drags
 
 function take(event) {
-  if (event.button) return;
+  if (event.button || !event.isPrimary) return;
   const { currentTarget: hand } = event;
   hand.dataset.pointer = event.pointerId;
   hand.dataset.end = event.target.closest("[data-end]")?.dataset.end ?? 0;
+  taken.set(hand, { x: event.clientX, y: event.clientY, at: event.timeStamp, drags: false });
   hand.setPointerCapture(event.pointerId);
+}
+
+/** Whether the pointer drags: not before it has moved, and not while a finger scrolls the page. */
+function moved({ currentTarget: hand, clientX, clientY, timeStamp, pointerType }) {
+  const from = taken.get(hand);
+  const [across, down] = [Math.abs(clientX - from.x), Math.abs(clientY - from.y)];
+  if (from.drags || Math.hypot(across, down) < CLICK) return from.drags;
+  if (pointerType !== "mouse" && down > STEEP * across && timeStamp - from.at < SWIPE) release(hand);
+  else from.drags = true;
+  return from.drags;
+}
+
+/** Whether a finger drags; pointer events come before those of touch. A second one has to do with the whole page. */
+function touched({ currentTarget: hand, touches, cancelable }) {
+  if (touches.length > 1) release(hand);
+  return cancelable && hand.dataset.pointer !== undefined && taken.get(hand).drags; // else the page scrolls already
 }
 
 const release = (hand) => {

@@ -25,6 +25,7 @@ const NO_FRAME = { earth: false, heading: null, goal: null, limits: null };
  * @param {boolean} state.mayOrder
  * @param {(source: number) => void} state.onSelect
  * @param {(heading: number) => void} state.onTurn
+ * @param {(heading: number) => void} state.onChoose a finger has dragged it there: ask before it turns
  * @param {(heading: number|null) => void} state.onDrag
  * @param {(source: number|null) => void} state.onHover may be called while drawing, when a source that has
  *   the focus goes: draw again later, not in the call

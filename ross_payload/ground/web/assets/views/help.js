@@ -5,7 +5,7 @@ import { fact } from "../parts/tables.js";
 
 const KEYS = [
   ["Escape twice, or held", "Stop. On the page of one payload that payload, elsewhere all of them. Works while typing, too."],
-  ["Escape", "Cancel a drag; close this help, or the form of an enrolment."],
+  ["Escape", "Cancel a drag or a chosen heading; close this help, or the form of an enrolment."],
   ["?", "Open or close this help."],
   ["Tab, Enter, Space", "Move to and press any control."],
   ["Arrow keys", "Move the goal in the polar view, pan the map, move through a flight."],

@@ -7,6 +7,7 @@ import { isolation } from "../instruments/isolation.js";
 import { scope } from "../instruments/scope.js";
 import { strip } from "../instruments/mission-chart.js";
 import { events } from "../parts/events.js";
+import { choose, confirmation } from "../parts/chosen-heading.js";
 import { commands } from "../parts/commands.js";
 import { enrolment } from "../parts/enrolment.js";
 import { health } from "../parts/health.js";
@@ -101,19 +102,20 @@ function picture(page, told, now, mayOrder) {
     now,
     selected: ui.selected,
     hovered: ui.hovered,
-    drag: mayOrder ? ui.drag : null,
+    drag: mayOrder ? (ui.drag ?? ui.chosen?.heading ?? null) : null,
     mayOrder: mayOrder && page.store.mayOrder,
     onSelect: (source) => page.change({ selected: ui.selected === source ? null : source }),
     onHover: (source) => page.change({ hovered: source }),
-    onDrag: (heading) => page.change({ drag: heading }),
+    onDrag: (heading) => page.change({ drag: heading, chosen: null }),
+    onChoose: (heading) => choose(page, told, heading),
     onTurn: (heading) => {
-      page.change({ drag: null });
+      page.change({ drag: null, chosen: null });
       page.order(told.id, { kind: "turn", heading: Math.round(heading) % 360 });
     },
   };
   return html`<section class="hero" aria-label="Polar view">
     <h2 class="unseen">Polar view: sources and axis</h2>
-    ${scope(parts)}
+    ${scope(parts)} ${mayOrder ? confirmation(page, told) : nothing}
     <p class="soft caption">Degrees ${frame(sections.pointing?.earth)}.</p>
   </section>`;
 }
