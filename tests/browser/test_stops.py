@@ -1,5 +1,7 @@
 """The stop: in reach at all times, and what is told of it is so."""
 
+import signal
+
 import pytest
 
 from browsing import eventually
@@ -141,6 +143,35 @@ def test_every_payload_that_has_not_stopped_is_named(page):
 
     assert fate(2) == "1-191 has not stopped, still being sent; 2-191 has not stopped: stop them by other means"
     assert fate(7).endswith("4-191 has not stopped; and 3 more: stop them by other means")
+
+
+def pressed(page, who):
+    page.evaluate("who => { location.hash = `#/payload/${who}`; }", who)
+    page.get_by_role("heading", name=f"Payload {who}").wait_for()
+    page.get_by_role("button", name=f"Stop {who}").click()
+
+
+def test_every_stop_that_is_pressed_without_a_connection_is_sent(open_page, window):
+    window.expected.append("ERR_CONNECTION_REFUSED")
+    with served() as ground, FleetThread(ground.port, payloads=3):
+        page = watch(open_page, ground.url)
+        ground.end(signal.SIGKILL)
+        for who in ("1-191", "2-191"):
+            pressed(page, who)
+            sees(page, "No connection: will be sent on reconnection", ".stop-fate")
+        ground.start()
+        page.evaluate("location.hash = '#/'")
+        eventually(page, lambda: page.locator(".fleet .state", has_text="Stopped").count() == 2, 20.0)
+        sees(page, "Stopped", ".stop-fate")
+
+
+def test_a_stop_that_was_not_answered_is_not_forgotten_with_the_next_one_of_another_payload(open_page):
+    with served() as ground, FleetThread(ground.port, payloads=2):
+        page = watch(open_page, ground.url)
+        pressed(page, "7-191")  # of which nothing is heard
+        pressed(page, "2-191")
+        sees(page, "Stopped", ".payload-title")
+        eventually(page, lambda: "7-191" in page.locator(".stop-fate").text_content(), 10.0)
 
 
 def test_a_stop_that_is_still_sent_is_not_over_when_the_payload_goes_on(page):

@@ -13,7 +13,7 @@ import { chosenHeading } from "./parts/chosen-heading.js";
 import { joined } from "./parts/comparison.js";
 import { answered } from "./parts/playback.js";
 import { routeOf, titleOf } from "./route.js";
-import { followed, noted, rearmed } from "./stop.js";
+import { SAID_AGAIN, followed, noted, rearmed, unstopped } from "./stop.js";
 import { applyTheme, readTheme } from "./theme.js";
 import { fleetView } from "./views/fleet.js";
 import { dropped, flightsView, isOfFiles } from "./views/flights.js";
@@ -23,7 +23,6 @@ import { payloadView } from "./views/payload.js";
 
 const LOOK = 250; // [ms] between two drawings when nothing comes: ages grow
 const MOST_LATENCIES = 2000;
-const SAID_AGAIN = 30_000; // [ms] after which a stop is no longer repeated when the link is back
 const VIEWS = { fleet: fleetView, payload: payloadView, map: mapView, flights: flightsView };
 
 /** Everything a view needs: what is known, how the screen is, and how to change either. */
@@ -146,8 +145,14 @@ class Page {
 
   /** Stop these payloads. Without a link it is sent as soon as there is one: a late stop still stops. */
   stop(ids) {
-    const sent = this.over !== "" || ids.map((id) => this.order(id, { kind: "stop" })).every(Boolean);
-    this.change({ stop: { ids, at: performance.now(), now: this.now(), waiting: !sent, stopped: [] }, chosen: null });
+    const { stop } = this.ui;
+    const earlier = unstopped(stop, ids); // they are still to be stopped
+    const all = [...ids, ...Object.keys(earlier)];
+    const sent = this.over !== "" || (stop?.waiting ? all : ids).map((id) => this.order(id, { kind: "stop" })).every(Boolean);
+    this.change({
+      stop: { ids: all, at: performance.now(), now: this.now(), waiting: !sent, stopped: [], earlier },
+      chosen: null,
+    });
   }
 
   /** Say a stop again to whom it has not stopped: it may have been lost with the old socket. */
@@ -159,7 +164,8 @@ class Page {
       .map((id) => this.order(id, { kind: "stop" }))
       .every(Boolean);
     const at = stop.waiting ? performance.now() : stop.at;
-    this.change({ stop: { ...stop, at, now: this.now(), waiting: !sent } });
+    const earlier = stop.waiting ? {} : stop.earlier;
+    this.change({ stop: { ...stop, at, now: this.now(), waiting: !sent, earlier } });
   }
 
   closeSlot(slot) {

@@ -3,6 +3,7 @@
 import { isOver } from "./formatting.js";
 
 const SHOWN = 8; // [s] that an answer stays beside the button
+export const SAID_AGAIN = 30_000; // [ms] after which a stop is no longer repeated when the link is back
 const NAMED = 4; // of payloads that have not stopped, by name
 const UNTOLD = ["", "fault"]; // states of a payload that may stand still, or not
 
@@ -55,6 +56,17 @@ export function noted(page) {
   );
 }
 
+/**
+ * Whom the latest stop has not stopped so far, while it is said again, and since when: a stop of others takes nothing
+ * of it back.
+ */
+export function unstopped(stop, others) {
+  if (!stop || stop.confirmed) return {};
+  const ids = stop.ids.filter((id) => !stop.stopped.includes(id) && !others.includes(id));
+  const since = ids.map((id) => [id, givenAt(stop, id)]);
+  return Object.fromEntries(since.filter(([, { at }]) => stop.waiting || performance.now() - at < SAID_AGAIN));
+}
+
 /** A stop, if any, after a payload was armed again: it is stopped no more, and is not stopped once more. */
 export const rearmed = (stop, id) => (stop?.confirmed && stop.ids.includes(id) ? null : withStopped(stop, [id]));
 
@@ -71,15 +83,19 @@ const lately = (at) => performance.now() - at < SHOWN * 1000;
 const rowOf = (page, id) => (page.store.fleet?.payloads ?? []).find((each) => each.id === id);
 const rests = (page, ids) => ids.every((id) => rowOf(page, id)?.state === "stopped");
 
+/** When a payload was to be stopped: on the clock of the browser [ms], and on that of the ground process [s]. */
+const givenAt = (stop, id) => stop.earlier?.[id] ?? { at: stop.at, now: stop.now };
+
 function fateOf(page, id, stop) {
+  const { at, now } = givenAt(stop, id);
   const watched = page.store.payload?.id === id ? page.store.payload.sections.orders : null;
-  const doing = latestStop(watched ?? (page.store.fleet?.stops ?? []).filter((each) => each.id === id), stop.now);
+  const doing = latestStop(watched ?? (page.store.fleet?.stops ?? []).filter((each) => each.id === id), now);
   if (doing?.state === "done" || doing?.state === "acknowledged") return "stopped";
   const row = rowOf(page, id);
-  if (row?.state === "stopped" && !(row.last < stop.now)) return "stopped"; // what was told before the stop tells nothing
+  if (row?.state === "stopped" && !(row.last < now)) return "stopped"; // what was told before the stop tells nothing
   const still = isStopping(page, id) ? ", still being sent" : "";
   if (watched && doing && isOver(doing.state)) return (doing.state !== "no_answer" && doing.reason) || `No answer${still}`;
-  if (lately(stop.at)) return "sent";
+  if (lately(at)) return "sent";
   const untold = row && UNTOLD.includes(row.state ?? "");
   if (untold && !(doing && isOver(doing.state))) return "sent";
   return `${untold ? `No answer from ${id}` : row ? `${id} has not stopped` : `No telemetry from ${id}`}${still}`;
