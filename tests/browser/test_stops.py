@@ -3,6 +3,7 @@
 import signal
 
 import pytest
+from playwright.sync_api import expect
 
 from browsing import eventually
 from fleet_bench import FleetThread
@@ -81,6 +82,20 @@ def test_the_stop_is_in_reach_while_a_talker_is_to_be_enrolled(page):
     sees(page, "Stopped", ".payload-title")
     page.get_by_role("dialog").get_by_role("button", name="Cancel").click()
     page.get_by_role("button", name="Rearm", exact=True).click()
+
+
+def test_consent_of_one_talker_is_not_that_of_another(page):
+    page.get_by_role("button", name="Take control").click()
+    dialog = page.get_by_role("dialog")
+    for source in (1, 0):
+        page.locator("table.sources").get_by_role("button", name=f"Source {source}").click()
+        page.get_by_role("button", name=f"Enrol source {source}").click()
+        sees(page, f"Enrol the talker at source {source}", "#enrolment")
+        expect(dialog.get_by_role("checkbox")).not_to_be_checked()
+        expect(dialog.get_by_label("Number of the talker")).to_have_value("0")
+        dialog.get_by_role("checkbox").check()
+        dialog.get_by_label("Number of the talker").fill("7")
+    dialog.get_by_role("button", name="Cancel").click()
 
 
 def test_stopped_is_told_no_longer_once_a_payload_is_armed_again(page, crew, open_page):

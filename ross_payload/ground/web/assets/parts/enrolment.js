@@ -14,6 +14,7 @@ export const enrolButton = (page, source) =>
   </button>`;
 
 function opened(page, source) {
+  document.querySelector("#enrolment form")?.reset(); // it may be open for another: consent is that of one person
   page.change({ enrolling: source });
   requestAnimationFrame(() => requestAnimationFrame(() => document.getElementById("enrolment")?.show())); // not modal: the stop stays in reach
 }
