@@ -36,9 +36,41 @@ def test_a_recording_is_downloaded_and_deleted_on_the_page(store, window, open_p
         expect(page.get_by_role("button", name="Keep 0001")).to_be_focused()
         assert store.all()
         assert violations(page) == []
+        page.wait_for_timeout(500)  # sooner it could be the second press of a double click
         page.get_by_role("button", name="Delete 0001 for good").click()
         sees(page, "Nothing is recorded yet", "section[aria-label='Recordings']")
         assert not store.all()
+        page.close()
+
+
+def middle_of_both(one, other):
+    """The middle of what two boxes have in common."""
+    spans = [
+        (max(one[begin], other[begin]), min(one[begin] + one[size], other[begin] + other[size]))
+        for begin, size in (("x", "width"), ("y", "height"))
+    ]
+    assert all(end > begin for begin, end in spans)
+    return [(begin + end) / 2 for begin, end in spans]
+
+
+def test_a_double_click_deletes_no_recording(store, window, open_page):
+    """On a phone the answer stands where the question was asked."""
+    with in_background([f"udpin:127.0.0.1:{free_port()}"], recordings=Catalog(store)) as served:
+        page = open_page(f"{served.url}#/flights", width=360)
+        question, answer = (
+            page.get_by_role("button", name=f"Delete 0001{rest}", exact=True) for rest in ("", " for good")
+        )
+        question.click()
+        told = answer.bounding_box()
+        page.get_by_role("button", name="Keep 0001").click()
+        place = middle_of_both(question.bounding_box(), told)
+        page.mouse.click(*place)
+        page.wait_for_timeout(120)
+        page.mouse.click(*place)
+        page.wait_for_timeout(500)
+        assert store.all()
+        answer.click()
+        sees(page, "Nothing is recorded yet", "section[aria-label='Recordings']")
         page.close()
 
 

@@ -47,7 +47,7 @@ class Page {
       cursor: null,
       mapSize: [800, 600],
       compare: false,
-      deleting: null, // name of a recording of which is asked whether it shall be deleted
+      deleting: null, // recording of which is asked whether it shall be deleted: its name, and since when
       enrolling: null, // source whose talker is to be enrolled
       lastEscape: -Infinity,
     };

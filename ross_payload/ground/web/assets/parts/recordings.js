@@ -3,6 +3,8 @@
 import { html, nothing } from "../templates.js";
 import { duration, size } from "../formatting.js";
 
+const TWICE = 500; // [ms] after which a press is an answer to the question, and not the second one of a double click
+
 /** The list; nothing when the ground process offers no recordings. */
 export function recordings(page) {
   const told = page.store.recordings;
@@ -31,7 +33,7 @@ function row(page, { name, bytes, seconds, state, running }) {
     >
     <span class="buttons">
       <a class="button" href=${addressOf(name, ".zip")} download>Download<span class="unseen"> ${name}</span></a>
-      ${page.ui.deleting === name ? question(page, name) : deletion(page, name, running)}
+      ${page.ui.deleting?.name === name ? question(page, name) : deletion(page, name, running)}
     </span>
   </li>`;
 }
@@ -52,13 +54,14 @@ const question = (page, name) =>
     </button>`;
 
 function asked(page, name) {
-  page.change({ deleting: name });
+  page.change({ deleting: { name, at: performance.now() } });
   requestAnimationFrame(() => requestAnimationFrame(() => document.querySelector(".known .keep")?.focus()));
 }
 
 const addressOf = (name, suffix = "") => `/recordings/${encodeURIComponent(name)}${suffix}`;
 
 async function remove(page, name) {
+  if (!(performance.now() - page.ui.deleting?.at >= TWICE)) return;
   page.change({ deleting: null });
   const answer = await fetch(addressOf(name), { method: "DELETE" }).catch(() => null);
   const told = answer?.ok ? {} : await answer?.json().catch(() => ({}));
