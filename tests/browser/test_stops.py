@@ -120,6 +120,7 @@ def test_a_stop_whose_acknowledgement_is_lost_is_stopped_when_telemetry_says_so(
 
     assert fate([{"state": "stopped", "last": 3.0}], ["1-191"]) == "Stopped"
     assert fate([{"state": "stopped", "last": 1.0}], []) == f"No answer: {OTHERWISE}"  # of before the stop
+    assert fate([{"state": "stopped", "state_at": 1.0, "last": 3.0}], []) == f"No answer: {OTHERWISE}"
     assert fate([{"state": "run", "last": 3.0}], ["1-191"]) == f"No answer, still being sent: {OTHERWISE}"
 
 

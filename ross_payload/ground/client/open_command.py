@@ -56,8 +56,7 @@ class Peer:
     def on_state(self, payload: PayloadState) -> None:
         """Learn of it, whenever it is heard."""
         self.boots = payload.boots
-        at = payload.last if payload.status_at is None else payload.status_at
-        self.stopped = at if payload.state == ross.ROSS_STATE_STOPPED else None
+        self.stopped = payload.state_at if payload.state == ross.ROSS_STATE_STOPPED else None
 
     def why_unanswered(self, doing: CommandStatus) -> str:
         """Return what is known of an order to it that was not answered; what it told before the order is not."""

@@ -127,6 +127,11 @@ class PayloadState:
         mirrored = dict(self.mirrors).get("ross_state")
         return self.heartbeat.state if self.heartbeat else None if mirrored is None else int(mirrored)
 
+    @property
+    def state_at(self) -> float:
+        """When its state was last told [s]; where no status arrives: when it was last heard."""
+        return self.last if self.status_at is None else self.status_at
+
     def texts_since(self, before: PayloadState | None) -> tuple[StatusText, ...]:
         """Return the texts that an earlier state of the same payload does not have; None: there is no earlier one."""
         latest = before.texts[-1] if before is not None and before.texts else None

@@ -43,6 +43,7 @@ def _row(known: PayloadState, place: PayloadPosition | None) -> dict[str, Any]:
     return {
         "id": str(known.who),
         "state": who["state"],
+        "state_at": known.state_at,
         "health_level": worst(condition(known)),
         "heading": where["heading"],
         "earth": known.earth,

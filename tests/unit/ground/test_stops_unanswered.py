@@ -1,6 +1,7 @@
 """A stop that is not answered: to whom it is still being sent, and what telemetry says of it."""
 
 import asyncio
+from dataclasses import replace
 
 import pytest
 
@@ -9,7 +10,10 @@ from ground_page import browser, page
 from hand_station import HandStation
 from ross_payload.ground.client.command_protocol import STOP_LASTS_S
 from ross_payload.ground.client.command_types import Rearm, Stop, Turn
+from ross_payload.ground.model.fleet import Fleet
 from ross_payload.ground.model.payload_state import PayloadState
+from ross_payload.ground.web.overview import overview
+from ross_payload.ground.web.positions import Positions
 from ross_protocols.mavlink.commands import Result
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.values import Audio, Health, Heartbeat, Status
@@ -83,6 +87,18 @@ def test_a_stop_is_being_sent_until_it_is_answered_or_a_rearming_or_half_a_minut
     script.orders.order(WHO, Rearm())
     script.wait(2)
     assert script.orders.stopping == frozenset()
+
+
+def test_a_state_is_as_old_as_the_status_that_told_it():
+    told = replace(by_status(STOPPED, 0.5), last=3.0)
+    assert row_of(told)["state_at"] == 0.5
+    assert row_of(by_heartbeat(STOPPED, 2.0))["state_at"] == 2.0
+
+
+def row_of(payload):
+    fleet = Fleet()
+    fleet.payloads[WHO] = payload
+    return overview(fleet, (), Positions(), 3.0)["payloads"][0]
 
 
 async def test_every_browser_is_told_to_whom_a_stop_is_being_sent():

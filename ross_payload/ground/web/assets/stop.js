@@ -92,7 +92,7 @@ function fateOf(page, id, stop) {
   const doing = latestStop(watched ?? (page.store.fleet?.stops ?? []).filter((each) => each.id === id), now);
   if (doing?.state === "done" || doing?.state === "acknowledged") return "stopped";
   const row = rowOf(page, id);
-  if (row?.state === "stopped" && !(row.last < now)) return "stopped"; // what was told before the stop tells nothing
+  if (row?.state === "stopped" && !((row.state_at ?? row.last) < now)) return "stopped"; // what was told before the stop tells nothing
   const still = isStopping(page, id) ? ", still being sent" : "";
   if (watched && doing && isOver(doing.state)) return (doing.state !== "no_answer" && doing.reason) || `No answer${still}`;
   if (lately(at)) return "sent";

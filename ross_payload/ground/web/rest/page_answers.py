@@ -102,6 +102,7 @@ class Summary(Answer):
 
     id: str
     state: str | None
+    state_at: Seconds
     health_level: Level
     heading: Degrees | None
     earth: bool
