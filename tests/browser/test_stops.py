@@ -5,7 +5,7 @@ import signal
 import pytest
 from playwright.sync_api import expect
 
-from browsing import eventually
+from browsing import drawn, eventually
 from fleet_bench import FleetThread
 from page_eyes import sees, violations, watch
 from served_ground import served
@@ -82,6 +82,23 @@ def test_the_stop_is_in_reach_while_a_talker_is_to_be_enrolled(page):
     sees(page, "Stopped", ".payload-title")
     page.get_by_role("dialog").get_by_role("button", name="Cancel").click()
     page.get_by_role("button", name="Rearm", exact=True).click()
+
+
+@pytest.mark.parametrize("size", [(320, 640), PHONE])
+@pytest.mark.parametrize("percent", [150, 200])
+def test_the_stop_is_in_reach_with_large_letters_on_a_phone(page, size, percent):
+    width, height = size
+    page.set_viewport_size({"width": width, "height": height})
+    page.evaluate("size => { document.documentElement.style.fontSize = size; }", f"{percent}%")
+    drawn(page)
+    for place in (0, 400):
+        page.evaluate("place => scrollTo(0, place)", place)
+        drawn(page)
+        box = page.locator(".stop-button").bounding_box()
+        assert page.evaluate(IN_REACH), place
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= width
+        assert box["y"] + box["height"] <= height
 
 
 def test_consent_of_one_talker_is_not_that_of_another(page):
