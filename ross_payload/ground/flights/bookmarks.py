@@ -35,23 +35,24 @@ def marks_of(
     payloads: tuple[ComponentId, ...],
     duration: float,
     packets: Callable[[NDArray[np.int64]], Iterator[tuple[float, Packet]]],
-) -> tuple[Bookmark, ...]:
-    """Return the first `MOST` moments of all payloads, in order; ``packets`` reads frames by number.
+) -> tuple[tuple[Bookmark, ...], float]:
+    """Return the moments of all payloads, in order, and until when those are all [s]: later ones are too many.
 
-    ``duration`` is that of the flight [s].
+    ``packets`` reads frames by number; ``duration`` is that of the flight [s].
     """
-    which = np.concatenate([_telling(index, who) for who in payloads] or [np.empty(0, np.int64)])
-    fleet, marks = Fleet(), list[Bookmark]()
-    for at, packet in packets(np.sort(which)[:MOST]):
+    which = np.sort(np.concatenate([_telling(index, who) for who in payloads] or [np.empty(0, np.int64)]))
+    fleet, marks, until = Fleet(), list[Bookmark](), duration
+    for at, packet in packets(which[:MOST]):
         who = packet.sender
         before = fleet.payloads.get(who)
         fleet.on_packet(packet, at)
         marks += _news(before, fleet.payloads.get(who), at)
+        until = at if len(which) > MOST else duration
     known = dict(fleet.payloads)
     fleet.end(duration)
     for who, before in known.items():
         marks += _news(before, fleet.payloads[who], duration)
-    return tuple(sorted(marks, key=lambda mark: mark.at))
+    return tuple(sorted(marks, key=lambda mark: mark.at)), until
 
 
 def _telling(index: Index, who: ComponentId) -> NDArray[np.int64]:

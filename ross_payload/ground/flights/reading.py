@@ -101,7 +101,8 @@ def open_flight(path: Path, obsolete: Callable[[], bool] = lambda: False) -> Fli
     at, start, steps = seconds_of(index.usec)
     payloads = _payloads(file, index, at)
     manifest, odd = _manifest(log)
-    marks = marks_of(index, payloads, float(at[-1]), lambda which: _packets(file, index, at, which))
+    marks, until = marks_of(index, payloads, float(at[-1]), lambda which: _packets(file, index, at, which))
+    odd += [f"events after {until:.0f} s are too many to be listed"] if until < at[-1] else []
     odd += [] if unpacked is None else unpacked.notes
     notes = (*_damaged(damage), *_strange(index, payloads), *_clock(steps), *odd)
     name = log.parent.resolve().name if log != path or log.name == LOGS[0] else log.name

@@ -14,7 +14,7 @@ from pymavlink.dialects.v20 import common as pymavlink_common
 from examples import examples
 from flight_logs import UNIX, frames, full_tick, log_of, vehicle_frames
 from ross_payload.ground.errors import GroundError
-from ross_payload.ground.flights import log_file
+from ross_payload.ground.flights import bookmarks, log_file
 from ross_payload.ground.flights.frame_stats import tallies
 from ross_payload.ground.flights.reading import open_flight
 from ross_protocols.mavlink.codec import Decoder, Encoder
@@ -83,6 +83,16 @@ def test_changes_of_the_state_and_texts_are_marked(opened):
         (2.0, "run"),
         (5.0, "heard somebody"),
     ]
+
+
+def test_events_that_are_too_many_to_be_listed_are_told_of(opened, monkeypatch):
+    encoder = Encoder(1, 191)
+    log = log_of([encoder.encode(Status(0, 0.0, 3 + number % 2, True)) for number in range(30)], step=1_000_000)
+    assert opened(log).notes == ()
+    monkeypatch.setattr(bookmarks, "MOST", 12)
+    flight = opened(log)
+    assert len(flight.marks) == 12
+    assert flight.notes == ("events after 11 s are too many to be listed",)
 
 
 @pytest.mark.parametrize("lost", [1, 9, 20, 60])
