@@ -224,6 +224,17 @@ def test_a_stop_that_is_still_sent_is_not_over_when_the_payload_goes_on(page):
     assert after == [True, None, ["1-191"], None]
 
 
+def test_a_stop_is_not_asked_for_any_longer_of_a_payload_that_was_armed_again_here(page):
+    def rearmed(ids, **stop):
+        stop = {"ids": ids, "stopped": [], "at": 0, "now": 2, **stop}
+        return page.evaluate("async (stop) => (await import('/assets/stop.js')).rearmed(stop, '1-191')", stop)
+
+    assert rearmed(["1-191"]) is None
+    assert rearmed(["1-191", "2-191"], confirmed=1) is None
+    assert rearmed(["1-191", "2-191"])["ids"] == ["2-191"]
+    assert rearmed(["2-191"])["ids"] == ["2-191"]
+
+
 def test_a_stop_without_an_answer_is_a_notice_only_while_the_payload_has_not_stopped(page):
     def told(state, stopping):
         return page.evaluate(BANNERS, [state, unanswered(), stopping])

@@ -68,7 +68,11 @@ export function unstopped(stop, others) {
 }
 
 /** A stop, if any, after a payload was armed again: it is stopped no more, and is not stopped once more. */
-export const rearmed = (stop, id) => (stop?.confirmed && stop.ids.includes(id) ? null : withStopped(stop, [id]));
+export function rearmed(stop, id) {
+  if (!stop?.ids.includes(id)) return stop;
+  const ids = stop.ids.filter((each) => each !== id);
+  return stop.confirmed || !ids.length ? null : { ...stop, ids };
+}
 
 /** A stop, if any, that is over for these payloads. */
 export function withStopped(stop, ids) {
