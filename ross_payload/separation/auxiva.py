@@ -85,12 +85,17 @@ def _closed_form(weighted: Real) -> Complex:
     one, two = matrices(weighted[..., 0]), matrices(adjugate(weighted[..., 1]))
     product = two @ one / determinant(weighted[..., 1])[:, None, None]
     half = 0.5 * (product[:, 0, 0] + product[:, 1, 1]).real
-    root = np.sqrt(np.maximum(half**2 - np.linalg.det(product).real, 0))
+    root = np.sqrt(np.maximum(half**2 - _determinants(product).real, 0))
     rows = [_eigenvector(product, half - root).conj(), _eigenvector(product, half + root).conj()]
     demixing = np.stack(rows, axis=1)
     sizes = np.sqrt((np.abs(demixing) ** 2).sum(axis=-1)).prod(axis=-1)
-    parallel = np.abs(np.linalg.det(demixing)) <= PARALLEL * sizes
+    parallel = np.abs(_determinants(demixing)) <= PARALLEL * sizes
     return np.where(parallel[:, None, None], np.eye(2), demixing)
+
+
+@np.errstate(divide="ignore", invalid="ignore")  # flags that OpenBLAS for arm64 sets, where matrices are real
+def _determinants(of: Complex) -> Complex:
+    return np.asarray(np.linalg.det(of))
 
 
 def matrices(hermitian: Real) -> Complex:
