@@ -7,7 +7,7 @@ from playwright.sync_api import expect
 
 from browsing import drawn, eventually
 from fleet_bench import FleetThread
-from page_eyes import sees, violations, watch
+from page_eyes import follow, seen, sees, violations, watch
 from served_ground import served
 
 PHONE, SMALL_PHONE, DESK = (390, 844), (320, 480), (1280, 800)
@@ -196,6 +196,31 @@ def test_every_stop_that_is_pressed_without_a_connection_is_sent(open_page, wind
         page.evaluate("location.hash = '#/'")
         eventually(page, lambda: page.locator(".fleet .state", has_text="Stopped").count() == 2, 20.0)
         sees(page, "Stopped", ".stop-fate")
+
+
+def test_a_stop_that_a_dying_connection_swallowed_is_sent_on_reconnection(open_page, window):
+    """As when the network goes before the browser notices: what it sends meanwhile arrives nowhere."""
+    dead, routes = [], []
+
+    def route(socket):
+        routes.append(socket)
+        server = socket.connect_to_server()
+        socket.on_message(lambda said: None if socket in dead else server.send(said))
+        server.on_message(lambda said: None if socket in dead else socket.send(said))
+
+    with served() as ground, FleetThread(ground.port, payloads=2):
+        page = open_page("about:blank")
+        page.route_web_socket("**/live**", route)
+        window.open(page, f"{ground.url}#/payload/1-191")
+        page.locator(".hero .scope").wait_for()
+        dead.append(routes[-1])
+        pressed(page, "1-191")
+        sees(page, "Stop sent", ".stop-fate")
+        follow(page, ".stop-fate")
+        routes[-1].close()
+        sees(page, "Stopped", ".stop-fate")
+        sees(page, "Stopped", ".payload-title")
+        assert seen(page)[:2] == ["Stop sent", "No connection: will be sent on reconnection"]
 
 
 def test_a_stop_that_was_not_answered_is_not_forgotten_with_the_next_one_of_another_payload(open_page):

@@ -13,7 +13,7 @@ import { chosenHeading } from "./parts/chosen-heading.js";
 import { joined } from "./parts/comparison.js";
 import { answered } from "./parts/playback.js";
 import { routeOf, titleOf } from "./route.js";
-import { SAID_AGAIN, followed, noted, rearmed, unstopped } from "./stop.js";
+import { SAID_AGAIN, doubted, followed, noted, rearmed, unstopped } from "./stop.js";
 import { applyTheme, readTheme } from "./theme.js";
 import { fleetView } from "./views/fleet.js";
 import { dropped, flightsView, isOfFiles } from "./views/flights.js";
@@ -71,8 +71,10 @@ class Page {
         this.onMessage(message, before);
       },
       up: () => this.changeSocket({ up: true, ever: true, since: performance.now() }),
-      down: () =>
-        this.changeSocket({ ...this.socket, up: false, since: this.socket.up ? performance.now() : this.socket.since }),
+      down: () => {
+        this.ui = { ...this.ui, stop: doubted(this) };
+        this.changeSocket({ ...this.socket, up: false, since: this.socket.up ? performance.now() : this.socket.since });
+      },
     });
     addEventListener("hashchange", () => this.go(routeOf(location.hash)));
     addEventListener("keydown", (event) => pressed(this, event));

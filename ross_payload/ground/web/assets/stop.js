@@ -67,6 +67,17 @@ export function unstopped(stop, others) {
   return Object.fromEntries(since.filter(([, { at }]) => stop.waiting || performance.now() - at < SAID_AGAIN));
 }
 
+/**
+ * The latest stop, when the link is lost: one of which the ground process has not told may never have reached it, and
+ * is sent when the link is back, as one that was pressed without it.
+ */
+export function doubted(page) {
+  const { stop } = page.ui;
+  if (!stop || stop.confirmed || page.store.fleet?.over) return stop;
+  const doubtful = Object.entries(unstopped(stop, [])).some(([id, { now }]) => !toldStop(page, id, now));
+  return doubtful ? { ...stop, waiting: true } : stop;
+}
+
 /** A stop, if any, after a payload was armed again: it is stopped no more, and is not stopped once more. */
 export function rearmed(stop, id) {
   if (!stop?.ids.includes(id)) return stop;
@@ -90,10 +101,16 @@ const rests = (page, ids) => ids.every((id) => rowOf(page, id)?.state === "stopp
 /** When a payload was to be stopped: on the clock of the browser [ms], and on that of the ground process [s]. */
 const givenAt = (stop, id) => stop.earlier?.[id] ?? { at: stop.at, now: stop.now };
 
+const watchedOrders = (page, id) => (page.store.payload?.id === id ? page.store.payload.sections.orders : null);
+
+/** The latest stop of a payload, given at a time [s] or later, of which the ground process has told. */
+const toldStop = (page, id, since) =>
+  latestStop(watchedOrders(page, id) ?? (page.store.fleet?.stops ?? []).filter((each) => each.id === id), since);
+
 function fateOf(page, id, stop) {
   const { at, now } = givenAt(stop, id);
-  const watched = page.store.payload?.id === id ? page.store.payload.sections.orders : null;
-  const doing = latestStop(watched ?? (page.store.fleet?.stops ?? []).filter((each) => each.id === id), now);
+  const watched = watchedOrders(page, id);
+  const doing = toldStop(page, id, now);
   if (doing?.state === "done" || doing?.state === "acknowledged") return "stopped";
   const row = rowOf(page, id);
   if (row?.state === "stopped" && !((row.state_at ?? row.last) < now)) return "stopped"; // what was told before the stop tells nothing
