@@ -4,14 +4,14 @@ import pytest
 from playwright.sync_api import expect
 
 from fleet_bench import FleetThread
-from page_eyes import sees, violations, watch
+from page_eyes import follow, seen, sees, violations, watch
 from served_ground import served
 
 PHONE = {"width": 390, "height": 844}
 STANDS = """async ([before, now, ago]) => {
   const { chosenHeading, choose } = await import("/assets/parts/chosen-heading.js");
-  const told = ({ state, boots, goal, order }) => ({
-    id: "1-191", sections: { standing: { state, boots }, pointing: { goal }, orders: [{ number: order }] },
+  const told = ({ state, boots, earth, goal, order }) => ({
+    id: "1-191", sections: { standing: { state, boots }, pointing: { earth, goal }, orders: [{ number: order }] },
   });
   const page = { ui: {}, store: {}, change: (ui) => { page.ui = ui; } };
   choose(page, told(before), 164);
@@ -19,7 +19,23 @@ STANDS = """async ([before, now, ago]) => {
   page.ui.chosen.at -= 1000 * ago;
   return chosenHeading(page)?.heading ?? null;
 }"""
-IDLE = {"state": "idle", "boots": 1, "goal": 40, "order": 3}
+CONFIRMED = """async ([before, now]) => {
+  const { choose, confirmation } = await import("/assets/parts/chosen-heading.js");
+  const { render } = await import("/assets/templates.js");
+  const given = [];
+  const told = (standing) => ({ id: "1-191", sections: { standing } });
+  const page = {
+    ui: {}, store: { payload: told(before) }, commandsBlocked: null,
+    change: (ui) => { page.ui = ui; }, order: (id, order) => given.push(order.kind),
+  };
+  choose(page, page.store.payload, 164);
+  const box = document.createElement("div");
+  render(confirmation(page, page.store.payload), box);
+  page.store.payload = told(now);
+  box.querySelector("button").click();
+  return given;
+}"""
+IDLE = {"state": "idle", "boots": 1, "earth": True, "goal": 40, "order": 3}
 
 
 @pytest.fixture(scope="module")
@@ -61,9 +77,11 @@ def orders(page):
 
 def test_a_payload_turns_to_what_a_finger_chose_once_that_is_confirmed(page):
     given = orders(page)
+    follow(page, "#announcer")
     button = choose(page)
     words = button.text_content().strip()
     sees(page, words.lower(), ".corners")
+    assert any(f"{words}: confirm or cancel" in said for said in seen(page))
     assert violations(page) == []
     page.wait_for_timeout(500)
     assert orders(page) == given
@@ -112,10 +130,17 @@ def test_a_chosen_heading_is_given_up(page, how, crew, open_page):
         ({"state": "stopped"}, 1, False),
         ({"boots": 2}, 1, False),
         ({"order": 4}, 1, False),
+        ({"earth": False}, 1, False),  # the same number is another direction
     ],
 )
 def test_a_chosen_heading_stands_until_something_else_turns_or_stops_the_payload(page, change, ago, stands):
     assert page.evaluate(STANDS, [IDLE, IDLE | change, ago]) == (164 if stands else None)
+
+
+def test_what_ended_a_chosen_heading_does_so_before_it_is_drawn(page):
+    running, stopped = {"state": "idle"}, {"state": "stopped"}
+    assert page.evaluate(CONFIRMED, [running, running]) == ["turn"]
+    assert page.evaluate(CONFIRMED, [running, stopped]) == []
 
 
 def test_an_exploration_goes_on_while_a_heading_is_chosen(page):

@@ -3,7 +3,7 @@
 import { saying } from "./parts/listen.js";
 import { silentFor } from "./telemetry-age.js";
 import { stopFate } from "./stop.js";
-import { fate, state } from "./formatting.js";
+import { degrees, fate, state } from "./formatting.js";
 
 let before = {};
 
@@ -33,7 +33,7 @@ function say(id, news) {
 }
 
 function sayings(page) {
-  const { store, socket } = page;
+  const { store, socket, ui } = page;
   const doing = (store.payload?.sections.orders ?? []).at(-1);
   const refusal = store.refusals[0];
   return {
@@ -43,6 +43,7 @@ function sayings(page) {
     control: store.control.yours ? "You have control" : store.control.name ? `${store.control.name} has control` : "",
     state: store.payload ? state(store.payload.sections.standing?.state) : "",
     order: doing ? `${doing.words}: ${fate(doing.state)} ${doing.reason ?? ""}` : "",
+    chosen: ui.chosen ? `Turn to ${degrees(ui.chosen.heading)}: confirm or cancel` : "",
     listening: store.payload ? saying(page.listening) : "",
     refused: refusal ? `Not sent: ${refusal.reason}` : "",
   };

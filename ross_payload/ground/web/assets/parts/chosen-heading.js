@@ -24,8 +24,9 @@ export function confirmation(page, told) {
   const { chosen } = page.ui;
   if (chosen?.id !== told.id) return nothing;
   const confirmed = () => {
+    const stands = chosenHeading(page) === chosen; // what came since the last drawing may have ended it
     page.change({ chosen: null });
-    page.order(told.id, { kind: "turn", heading: chosen.heading });
+    if (stands) page.order(told.id, { kind: "turn", heading: chosen.heading });
   };
   return html`<div class="buttons confirmation" role="group" aria-label="Chosen heading">
     <button type="button" class="main" ?disabled=${page.commandsBlocked !== null} @click=${confirmed}>
@@ -37,12 +38,12 @@ export function confirmation(page, told) {
 
 function movement({ standing = {}, pointing = {}, orders = [] }) {
   const { state, boots } = standing;
-  return { state, boots, goal: pointing.goal, order: orders.at(-1)?.number };
+  return { state, boots, earth: pointing.earth, goal: pointing.goal, order: orders.at(-1)?.number };
 }
 
 function isAsBefore(before, now) {
   const stopped = now.state === "stopped" && before.state !== "stopped";
-  if (stopped || now.boots !== before.boots || now.order !== before.order) return false;
+  if (stopped || ["boots", "earth", "order"].some((each) => now[each] !== before[each])) return false;
   if (explores(before) && explores(now)) return true; // it turns on and on
   return known(now.goal) && known(before.goal) ? Math.abs(turn(before.goal, now.goal)) < SAME : known(now.goal) === known(before.goal);
 }
