@@ -249,6 +249,24 @@ def test_a_stop_that_is_still_sent_is_not_over_when_the_payload_goes_on(page):
     assert after == [True, None, ["1-191"], None]
 
 
+def test_a_payload_that_another_page_armed_again_is_not_told_as_stopped_with_the_last_one(page):
+    words = page.evaluate("""async () => {
+      const { followed, noted, stopFate } = await import("/assets/stop.js");
+      const done = { id: "1-191", words: "stop", state: "done", since: 2, at: 3 };
+      const page = { ui: { stop: { ids: ["1-191", "2-191"], at: -20000, now: 2, stopped: [] } } };
+      return [["stopped", "run"], ["run", "run"], ["run", "stopped"]].map(([one, other], step) => {
+        const row = (id, state) => ({ id, state, state_at: 3 + step });
+        const rows = [row("1-191", one), row("2-191", other)];
+        page.store = { fleet: { payloads: rows, stopping: ["2-191"], stops: [done] }, payload: null };
+        page.ui.stop = noted(page);
+        page.ui.stop = followed(page);
+        return [stopFate(page).words, page.ui.stop.ids];
+      });
+    }""")
+    going_on = f"2-191 has not stopped, still being sent: {OTHERWISE}"
+    assert words == [[going_on, ["1-191", "2-191"]], [going_on, ["2-191"]], ["Stopped", ["2-191"]]]
+
+
 def test_a_stop_is_not_asked_for_any_longer_of_a_payload_that_was_armed_again_here(page):
     def rearmed(ids, **stop):
         stop = {"ids": ids, "stopped": [], "at": 0, "now": 2, **stop}

@@ -46,14 +46,21 @@ export function followed(page) {
   return stop.ids.some((id) => isStopping(page, id)) ? { ...stop, confirmed: null, rested: false } : null;
 }
 
-/** The latest stop, with those whom it has stopped so far: a payload that is armed again is not stopped once more. */
+/**
+ * The latest stop, with those whom it has stopped so far: a payload that is armed again is not stopped once more, and
+ * is stopped no more, whoever armed it, while the stop of another one goes on.
+ */
 export function noted(page) {
   const { stop } = page.ui;
   if (!stop || stop.confirmed) return stop;
-  return withStopped(
-    stop,
-    stop.ids.filter((id) => fateOf(page, id, stop) === "stopped"),
-  );
+  const moves = (stop.resting ?? []).filter((id) => !["stopped", ...UNTOLD].includes(rowOf(page, id)?.state ?? ""));
+  const armed = moves.filter((id) => !isStopping(page, id));
+  const left = armed.reduce(rearmed, stop);
+  if (!left) return left;
+  const known = left.stopped.filter((id) => !moves.includes(id));
+  const stopped = left.ids.filter((id) => known.includes(id) || fateOf(page, id, left) === "stopped");
+  const resting = stopped.filter((id) => !moves.includes(id) && (left.resting?.includes(id) || rests(page, [id])));
+  return { ...left, stopped, resting };
 }
 
 /**
@@ -83,12 +90,6 @@ export function rearmed(stop, id) {
   if (!stop?.ids.includes(id)) return stop;
   const ids = stop.ids.filter((each) => each !== id);
   return stop.confirmed || !ids.length ? null : { ...stop, ids };
-}
-
-/** A stop, if any, that is over for these payloads. */
-export function withStopped(stop, ids) {
-  const more = stop ? ids.filter((id) => !stop.stopped.includes(id)) : [];
-  return more.length ? { ...stop, stopped: [...stop.stopped, ...more] } : stop;
 }
 
 const OVER = "The simulation has ended: there is nothing to stop";
