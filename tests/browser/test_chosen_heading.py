@@ -82,7 +82,6 @@ def test_a_payload_turns_to_what_a_finger_chose_once_that_is_confirmed(page):
     words = button.text_content().strip()
     sees(page, words.lower(), ".corners")
     assert any(f"{words}: confirm or cancel" in said for said in seen(page))
-    assert violations(page) == []
     page.wait_for_timeout(500)
     assert orders(page) == given
     button.click()
@@ -90,6 +89,12 @@ def test_a_payload_turns_to_what_a_finger_chose_once_that_is_confirmed(page):
     sees(page, f"turn to {heading} deg", ".order")
     expect(button).to_have_count(0)
     assert len(orders(page)) == len(given) + 1
+
+
+def test_axe_finds_nothing_wrong_with_the_question(page):
+    """By itself: on a busy computer that may take longer than is waited for a confirmation."""
+    choose(page)
+    assert violations(page) == []
 
 
 @pytest.mark.parametrize("how", ["cancel", "escape", "another order", "another payload", "stop"])

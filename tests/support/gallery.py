@@ -70,7 +70,7 @@ def board_of(profile: Profile) -> Iterator[Board]:
     with gallery() as url, profile.watched() as watched:
         page = watched.new_page()
         page.emulate_media(reduced_motion="reduce")
-        page.goto(url)
+        watched.open(page, url)
         yield Board(page)
-    assert not watched.strangers
-    assert not watched.errors
+    assert not watched.strangers, f"asked other machines: {watched.strangers}"
+    assert not watched.errors, f"the page complains: {watched.errors}"
