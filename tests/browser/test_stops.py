@@ -221,15 +221,17 @@ def test_a_stop_that_a_dying_connection_swallowed_is_sent_on_reconnection(open_p
         sees(page, "Stopped", ".stop-fate")
         sees(page, "Stopped", ".payload-title")
         assert seen(page)[:2] == ["Stop sent", "No connection: will be sent on reconnection"]
+        window.close_pages()  # else it complains that the ground process has ended
 
 
-def test_a_stop_that_was_not_answered_is_not_forgotten_with_the_next_one_of_another_payload(open_page):
+def test_a_stop_that_was_not_answered_is_not_forgotten_with_the_next_one_of_another_payload(open_page, window):
     with served() as ground, FleetThread(ground.port, payloads=2):
         page = watch(open_page, ground.url)
         pressed(page, "7-191")  # of which nothing is heard
         pressed(page, "2-191")
         sees(page, "Stopped", ".payload-title")
         eventually(page, lambda: "7-191" in page.locator(".stop-fate").text_content(), 10.0)
+        window.close_pages()  # else it complains that the ground process has ended
 
 
 def test_a_stop_that_is_still_sent_is_not_over_when_the_payload_goes_on(page):
