@@ -134,15 +134,15 @@ def test_a_stop_that_was_lost_with_its_socket_is_sent_again_on_the_next_one(lone
 
 def test_a_payload_that_is_armed_again_is_not_stopped_by_a_reconnection(alone, open_page):
     page = open_page(alone.url)
-    stopped = page.evaluate("""async () => {
-      const { noted, withStopped } = await import("/assets/stop.js");
+    again = page.evaluate("""async () => {
+      const { noted, unstopped } = await import("/assets/stop.js");
       const rows = (first) => ({ payloads: [{ id: "1-191", state: first }, { id: "2-191", state: "run" }] });
       const seen = (stop, first) => noted({ ui: { stop }, store: { fleet: rows(first) } });
       const said = { ids: ["1-191", "2-191"], at: performance.now(), now: 1, stopped: [] };
-      const after = seen(seen(said, "stopped"), "explore_turn");
-      return [after.stopped, withStopped(said, ["2-191"]).stopped, withStopped(null, ["2-191"])];
+      const before = Object.keys(unstopped(seen(said, "run"), []));
+      return [before, Object.keys(unstopped(seen(seen(said, "stopped"), "explore_turn"), []))];
     }""")
-    assert stopped == [["1-191"], ["2-191"], None]
+    assert again == [["1-191", "2-191"], ["2-191"]]
 
 
 @pytest.mark.soak
