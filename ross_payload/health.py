@@ -11,6 +11,16 @@ ALIKE = 1e-6  # share of power in which two channels of one microphone may diffe
 QUIET_DB = -80.0  # below it two channels may be alike by rounding [dB re full scale]
 
 
+def are_identical(first: float, second: float, product: float) -> bool:
+    """Whether two channels are one microphone, as loud or not: by their powers and the mean of their product.
+
+    >>> are_identical(1.0, 0.25, 0.5), are_identical(1.0, 0.25, 0.499)
+    (True, False)
+    """
+    loud = min(first, second) > 10 ** (QUIET_DB / 10)
+    return loud and 1 - product**2 / (first * second) < ALIKE
+
+
 class AudioTrouble(IntFlag):
     """What is wrong with the microphones."""
 

@@ -14,7 +14,7 @@ import numpy as np
 from ross_payload.audio.live_source import SourceStatus, Watched
 from ross_payload.config import Config
 from ross_payload.events import Event
-from ross_payload.health import ALIKE, DEAD_DB, DEAD_FROM_HZ, QUIET_DB, AudioHealth, AudioTrouble
+from ross_payload.health import DEAD_DB, DEAD_FROM_HZ, AudioHealth, AudioTrouble, are_identical
 from ross_payload.interfaces import UNHEARD, AudioBlock, AudioFlag, Input, Real
 
 PER_SECOND = 10  # judgements
@@ -174,9 +174,7 @@ def _identical(tenths: list[Tenth]) -> AudioTrouble:
         return AudioTrouble.NONE
     first, second = np.mean([tenth.power for tenth in tenths], axis=0)
     product = float(np.mean([tenth.product for tenth in tenths]))
-    loud = min(first, second) > 10 ** (QUIET_DB / 10)
-    same = loud and 1 - product**2 / (first * second) < ALIKE
-    return AudioTrouble.IDENTICAL if same else AudioTrouble.NONE
+    return AudioTrouble.IDENTICAL if are_identical(first, second, product) else AudioTrouble.NONE
 
 
 def _decibels(power: Real) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.fft import rfft
 
-from ross_payload.health import ALIKE, DEAD_DB, DEAD_FROM_HZ, QUIET_DB
+from ross_payload.health import DEAD_DB, DEAD_FROM_HZ, are_identical
 from ross_payload.interfaces import UNHEARD, AudioFlag, Samples
 
 SHARE = 0.25  # of a task without sound, from which it cannot tell who is there
@@ -138,7 +138,7 @@ def identical(piece: Samples) -> bool:
     """
     moving = piece.astype(np.float64) - piece.mean(axis=1, dtype=np.float64, keepdims=True)
     (first, product), (_, second) = moving @ moving.T / piece.shape[1]
-    return bool(min(first, second) > 10 ** (QUIET_DB / 10) and 1 - product**2 / (first * second) < ALIKE)
+    return are_identical(float(first), float(second), float(product))
 
 
 @lru_cache(maxsize=4)
