@@ -135,6 +135,15 @@ def test_a_cancel_that_came_first_on_the_link_that_lost_the_turn_ends_it_on_the_
     assert [type(order) for order in payload.given] == [TurnTo, Cancel]
 
 
+def stays_stopped(payload, radio, frame):
+    """Whether another station's stop holds when a frame from before it comes on the slower link."""
+    type(payload.ground)(payload.ground.air, system_id=254).long(STOP)
+    payload.wait(0.1)
+    radio.air.up.append(frame)
+    payload.wait(0.5)
+    return payload.stopped
+
+
 def test_an_arming_that_was_said_again_before_it_comes_on_a_slower_link_does_not_undo_a_stop(two_links):
     payload, radio = two_links
     payload.command(STOP, seconds=0.2)
@@ -144,11 +153,7 @@ def test_an_arming_that_was_said_again_before_it_comes_on_a_slower_link_does_not
     payload.ground.long(REARM, confirmation=1)
     payload.wait(0.1)
     assert not payload.stopped
-    type(payload.ground)(payload.ground.air, system_id=254).long(STOP)
-    payload.wait(0.1)
-    radio.air.up.append(frame)
-    payload.wait(0.5)
-    assert payload.stopped
+    assert stays_stopped(payload, radio, frame)
 
 
 def test_an_arming_that_comes_on_a_slower_link_too_after_one_that_was_lost_does_not_undo_a_stop(two_links):
@@ -162,11 +167,7 @@ def test_an_arming_that_comes_on_a_slower_link_too_after_one_that_was_lost_does_
     radio.air.up.append(lost)
     payload.wait(0.2)
     assert not payload.stopped
-    type(payload.ground)(payload.ground.air, system_id=254).long(STOP)
-    payload.wait(0.1)
-    radio.air.up.append(frame)
-    payload.wait(0.5)
-    assert payload.stopped
+    assert stays_stopped(payload, radio, frame)
 
 
 def test_a_turn_that_comes_on_a_slower_link_too_does_not_undo_the_next_one(two_links):

@@ -206,6 +206,13 @@ def test_a_seek_that_nobody_waits_for_any_longer_is_given_up(flight):
         assert known(playback.fleet) == known(heard_all(flight, playback.at))
 
 
+async def is_read_no_further(read):
+    await asyncio.sleep(0.2)
+    count = len(read)
+    await asyncio.sleep(0.3)
+    return len(read) == count
+
+
 async def test_nothing_of_a_flight_is_read_on_once_it_is_closed_or_sought_elsewhere(tmp_path, monkeypatch):
     path = tmp_path / "long.tlog"
     write_hour(path, seconds=30, payloads=1)
@@ -233,10 +240,7 @@ async def test_nothing_of_a_flight_is_read_on_once_it_is_closed_or_sought_elsewh
     session.request(seek=30.0)
     await asyncio.to_thread(going.wait, 20)
     await session.close()
-    await asyncio.sleep(0.2)
-    count = len(read)
-    await asyncio.sleep(0.3)
-    assert len(read) == count
+    assert await is_read_no_further(read)
 
 
 async def test_the_file_of_a_flight_is_closed_with_it(tmp_path):
@@ -278,7 +282,4 @@ async def test_a_flight_that_is_closed_while_it_is_opened_is_read_no_further(tmp
     session.start(lambda: path, pytest.fail)
     await asyncio.to_thread(going.wait, 20)
     await session.close()
-    await asyncio.sleep(0.2)
-    count = len(read)
-    await asyncio.sleep(0.3)
-    assert len(read) == count
+    assert await is_read_no_further(read)

@@ -100,12 +100,18 @@ def test_a_file_is_read_on_a_slow_link_on_which_more_waits_than_it_carries(aloft
     assert sky.links.status()[0].dropped == 0
 
 
+def opened(sky):
+    """Open the parameters as a file; return the port of who reads them."""
+    (port,) = sky.ports
+    sky.live(5.0)
+    port.call(message_of(Packet(3, Opcode.OPEN_RO, size=14, data=b"parameter.json"), ComponentId(1, 191)))
+    return port
+
+
 def test_a_portion_that_is_asked_for_again_while_it_waits_is_sent_once(aloft) -> None:
     """A client that waits a second for an answer asks for it twenty times before a slow link has carried ten."""
     with aloft(RADIO, give=lambda order: None) as sky:
-        (port,) = sky.ports
-        sky.live(5.0)
-        port.call(message_of(Packet(3, Opcode.OPEN_RO, size=14, data=b"parameter.json"), ComponentId(1, 191)))
+        port = opened(sky)
         port.packets.clear()
         for number in range(40):
             request = Packet(5 + number, Opcode.READ, size=239, offset=239 * (number % 10))
@@ -120,9 +126,7 @@ def test_a_portion_that_is_asked_for_again_while_it_waits_is_sent_once(aloft) ->
 
 def test_who_asks_for_portions_without_end_leaves_a_slow_link_half_for_the_rest(aloft) -> None:
     with aloft(RADIO, give=lambda order: None) as sky:
-        (port,) = sky.ports
-        sky.live(5.0)
-        port.call(message_of(Packet(3, Opcode.OPEN_RO, size=14, data=b"parameter.json"), ComponentId(1, 191)))
+        port = opened(sky)
         sky.live(1.0)
         port.packets.clear()
         for number in range(300):
@@ -137,9 +141,7 @@ def test_who_asks_for_portions_without_end_leaves_a_slow_link_half_for_the_rest(
 
 def test_a_command_is_answered_while_a_file_takes_its_share_of_a_slow_link(aloft) -> None:
     with aloft(RADIO, give=lambda order: None) as sky:
-        (port,) = sky.ports
-        sky.live(5.0)
-        port.call(message_of(Packet(3, Opcode.OPEN_RO, size=14, data=b"parameter.json"), ComponentId(1, 191)))
+        port = opened(sky)
         port.packets.clear()
         for number in range(300):
             if number % 20 == 0:
