@@ -3,8 +3,9 @@
 import pytest
 from playwright.sync_api import expect
 
+from browsing import drawn
 from fleet_bench import FleetThread
-from page_eyes import follow, seen, sees, violations, watch
+from page_eyes import follow, free_place, seen, sees, violations, watch
 from served_ground import served
 
 PHONE = {"width": 390, "height": 844}
@@ -53,21 +54,22 @@ def page(crew, open_page):
     return page
 
 
-def choose(page):
+def choose(page, crew):
     """Drag an end of the axis sideways with a finger; the button that confirms."""
-    box = page.locator(".handle .knob").first.bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     fingers = page.context.new_cdp_session(page)
     fingers.send("Emulation.setTouchEmulationEnabled", {"enabled": True})
-    towards = 1 if x < PHONE["width"] / 2 else -1
-    for step in range(0, 81, 8):
-        place = {"x": x + towards * step, "y": y + step / 8}
-        kind = "touchMove" if step else "touchStart"
-        fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [place]})
-    fingers.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-    fingers.detach()
     button = page.get_by_role("group", name="Chosen heading").get_by_role("button", name="Turn to")
-    button.wait_for()
+    with crew.frozen():  # both walk: an end of the axis goes on, and sources cross it
+        drawn(page)
+        x, y = free_place(page, ".handle .knob")
+        towards = 1 if x < PHONE["width"] / 2 else -1
+        for step in range(0, 81, 8):
+            place = {"x": x + towards * step, "y": y + step / 8}
+            kind = "touchMove" if step else "touchStart"
+            fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [place]})
+        fingers.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        button.wait_for()
+    fingers.detach()
     return button
 
 
@@ -75,10 +77,10 @@ def orders(page):
     return page.locator(".order .what").all_text_contents()
 
 
-def test_a_payload_turns_to_what_a_finger_chose_once_that_is_confirmed(page):
+def test_a_payload_turns_to_what_a_finger_chose_once_that_is_confirmed(page, crew):
     given = orders(page)
     follow(page, "#announcer")
-    button = choose(page)
+    button = choose(page, crew)
     words = button.text_content().strip()
     sees(page, words.lower(), ".corners")
     assert any(f"{words}: confirm or cancel" in said for said in seen(page))
@@ -91,16 +93,16 @@ def test_a_payload_turns_to_what_a_finger_chose_once_that_is_confirmed(page):
     assert len(orders(page)) == len(given) + 1
 
 
-def test_axe_finds_nothing_wrong_with_the_question(page):
+def test_axe_finds_nothing_wrong_with_the_question(page, crew):
     """By itself: on a busy computer that may take longer than is waited for a confirmation."""
-    choose(page)
+    choose(page, crew)
     assert violations(page) == []
 
 
 @pytest.mark.parametrize("how", ["cancel", "escape", "another order", "another payload", "stop"])
 def test_a_chosen_heading_is_given_up(page, how, crew, open_page):
     given = orders(page)
-    button = choose(page)
+    button = choose(page, crew)
     if how == "cancel":
         page.get_by_role("group", name="Chosen heading").get_by_role("button", name="Cancel").click()
     elif how == "escape":

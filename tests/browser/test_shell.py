@@ -6,7 +6,7 @@ from playwright.sync_api import expect
 from browsing import drawn, eventually
 from examples import in_soak
 from fleet_bench import FleetThread
-from page_eyes import sees, texts, violations, watch
+from page_eyes import free_place, sees, texts, violations, watch
 from served_ground import served
 
 pytest.importorskip("aiohttp", reason="the extra [ground]")
@@ -52,16 +52,6 @@ STATES = """() => {
   };
   new MutationObserver(look).observe(document.body, { attributes: true, childList: true, subtree: true });
 }"""
-
-FREE = """(selector) => {
-  const end = document.querySelector(selector);
-  const box = end.getBoundingClientRect();
-  const places = Array.from({ length: 81 }, (_, place) => [1 + (place % 9), 1 + Math.floor(place / 9)]);
-  const middle = ([x, y]) => Math.hypot(x - 5, y - 5);
-  return places.sort((one, other) => middle(one) - middle(other))
-    .map(([x, y]) => [box.x + (box.width * x) / 10, box.y + (box.height * y) / 10])
-    .find(([x, y]) => document.elementFromPoint(x, y)?.parentElement === end.parentElement);
-}"""  # a place of an end of the axis that no source lies on
 
 
 @pytest.fixture(scope="module")
@@ -189,7 +179,7 @@ def test_escape_gives_up_a_drag_for_good(kept, crew, window, what):
     page = command(kept)
     with crew.frozen():  # both walk: an end of the axis goes on, and sources cross it
         drawn(page)
-        x, y = page.evaluate(FREE, what)
+        x, y = free_place(page, what)
         page.mouse.move(x, y)
         page.mouse.down()
     page.mouse.move(x + 60, y + 60, steps=4)

@@ -23,6 +23,16 @@ PAUSES = """() => {
     before = now;
   }, step);
 }"""
+FREE = """(selector) => {
+  const middle = ([x, y]) => Math.hypot(x - 5, y - 5);
+  const places = Array.from({ length: 81 }, (_, place) => [1 + (place % 9), 1 + Math.floor(place / 9)]);
+  places.sort((one, other) => middle(one) - middle(other));
+  return Array.from(document.querySelectorAll(selector)).flatMap((end) => {
+    const box = end.getBoundingClientRect();
+    return places.map(([x, y]) => [box.x + (box.width * x) / 10, box.y + (box.height * y) / 10])
+      .filter(([x, y]) => document.elementFromPoint(x, y)?.parentElement === end.parentElement);
+  }).at(0);
+}"""
 AXE = """async (rules) => {
   const { violations } = await axe.run({ resultTypes: ["violations"], ...(rules && { runOnly: rules }) });
   return violations.map((each) => [each.id, each.nodes.map((node) => node.html)]);
@@ -45,6 +55,11 @@ def note_pauses(page):
 
 def longest_pause(page):
     return page.evaluate("() => globalThis.rossPause")
+
+
+def free_place(page, selector):
+    """A place [px] of an end of the axis on which nothing else lies: sources walk over them."""
+    return page.evaluate(FREE, selector)
 
 
 def violations(page, rules=None):
