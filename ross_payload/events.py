@@ -55,6 +55,12 @@ class SourceEstimate:
     weight: float = 0.0  # share of the evidence, 0 to 1
     elevation: float | None = None  # [rad], None: not told from 0; the sign is taken, not heard
     elevation_sigma: float | None = None  # one standard deviation of the elevation [rad]
+    nominal_sigma: float | None = None  # what `sigma` is without reverberation [rad]; None: the same
+
+    @property
+    def nominal(self) -> float:
+        """One standard deviation of the azimuth by how much was heard, as if no reflections disturbed it [rad]."""
+        return self.sigma if self.nominal_sigma is None else self.nominal_sigma
 
 
 @dataclass(frozen=True, slots=True)

@@ -152,6 +152,8 @@ def _fault_of_source(source: Any) -> str:
         return f"expected finite numbers, sigma >= 0 and confidence from 0 to 1, got {source}"
     if not (_finite_or_none(source.elevation) and _finite_or_none(source.elevation_sigma)):
         return f"expected a finite elevation and its sigma, or None, got {source}"
+    if source.nominal_sigma is not None and not (_finite(source.nominal_sigma) and source.nominal_sigma >= 0):
+        return f"expected nominal_sigma >= 0 or None, got {source}"
     if not isinstance(source.resolved, TRUTH):
         return f"expected resolved true or false, got {source}"
     return ""
@@ -177,6 +179,7 @@ def _plain_source(source: SourceEstimate) -> SourceEstimate:
         weight=float(source.weight),
         elevation=_float_or_none(source.elevation),
         elevation_sigma=_float_or_none(source.elevation_sigma),
+        nominal_sigma=_float_or_none(source.nominal_sigma),
     )
 
 

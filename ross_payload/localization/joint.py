@@ -11,6 +11,7 @@ is one.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -29,7 +30,8 @@ from ross_payload.localization.talker_evidence import Evidence
 
 COUNT = 0.5  # effective counts per unit of weight: neighbouring bins are not independent
 BANDWIDTH = 0.04  # of the published density [d / v_p]
-BIAS = np.deg2rad(0.3)  # what reflections add to every azimuth, however long one listens [rad]
+BIAS = np.deg2rad(0.3)  # of every azimuth, however long one listens [rad]
+SHARED = 4.4  # growth of a standard deviation with what is not direct, beside 1
 ROUNDS = 10  # of refinement on the strict histograms
 LOOSE = 0.5  # counts by which amplitudes are drawn to each other there
 OPEN = 0.06  # kernels on the strict histograms are narrower than this in the open [d / v_p]
@@ -174,8 +176,8 @@ class Joint:
     def _explained(self, evidence: Evidence, fit: Fit) -> Estimate:
         """What a fit says of sources and room."""
         placed = itd_mixture.refine(evidence.strict, fit.step.model, ROUNDS, LOOSE)
-        sources = _sources(evidence, fit, placed)
         directness = _directness(evidence.rich, fit.step.model, placed)
+        sources = _sources(evidence, fit, placed, directness)
         return Estimate(sources, self._certain(evidence.rich, fit, sources), directness)
 
     def _counted(self, evidence: Evidence) -> Fit | None:
@@ -218,7 +220,7 @@ class Joint:
         """The stop rule: K is beyond doubt, every place is sharp and unambiguous."""
         clear = fit.step.worth.min() >= self.enough.margin and fit.rival <= 1 / self.enough.margin
         sure = 1 - fit.likely <= self.enough.doubt and fit.more <= self.enough.missed
-        sharp = all(source.resolved and source.sigma <= self.enough.sigma for source in sources)
+        sharp = all(source.resolved and source.nominal <= self.enough.sigma for source in sources)
         turned = len(data.headings) if data.periods is None else covered(data.headings)
         heard = turned >= self.enough.orientations and data.counts.sum() >= self.enough.evidence
         return bool(clear and sure and sharp and heard and sources)
@@ -245,14 +247,29 @@ def _directness(data: itd_mixture.Data, model: itd_mixture.Mixture, placed: itd_
     return 1.0 if placed.width < OPEN else float(model.directness * (1 - diffuse))
 
 
-def _sources(evidence: Evidence, fit: Fit, placed: itd_mixture.Mixture) -> tuple[SourceEstimate, ...]:
+def overdispersion(directness: float) -> float:
+    """By what factor azimuths scatter more than their ITDs tell.
+
+    The ITDs of an orientation are no independent observations in a room: they share its reflections. Fitted to
+    simulated rooms, see docs/explanation/joint.md.
+
+    >>> overdispersion(1.0), round(overdispersion(0.75), 2)
+    (1.0, 1.49)
+    """
+    return math.hypot(1.0, SHARED * (1 - directness))
+
+
+def _sources(
+    evidence: Evidence, fit: Fit, placed: itd_mixture.Mixture, directness: float
+) -> tuple[SourceEstimate, ...]:
     """The sources of a fit, ``placed`` by the strict histograms, the one with the most evidence first."""
     model, data = fit.step.model, evidence.rich
     every = talker_evidence.features(evidence, fit.step, fit.rival, range(len(model.azimuths)))
     confidences = talker_evidence.fitted("source", evidence.file).probability(every)
     shares = np.average(model.weights, axis=0, weights=data.evidence + itd_mixture.TINY)
     azimuths, amplitudes = itd_mixture.sigmas(evidence.strict, placed)
-    sigmas = np.minimum(np.hypot(azimuths, BIAS), np.pi)
+    nominal = np.minimum(np.hypot(azimuths, BIAS), np.pi)
+    sigmas = np.minimum(overdispersion(directness) * nominal, np.pi)
     found = []
     for k, azimuth in enumerate(placed.azimuths):
         elevation, elevation_sigma = None, None
@@ -270,6 +287,7 @@ def _sources(evidence: Evidence, fit: Fit, placed: itd_mixture.Mixture) -> tuple
                 weight=float(shares[k]),
                 elevation=elevation,
                 elevation_sigma=elevation_sigma,
+                nominal_sigma=float(nominal[k]),
             )
         )
     return tuple(sorted(found, key=lambda source: -source.weight))

@@ -63,7 +63,9 @@ def begin(estimate: Estimate, spacing: float, speed_of_sound: float) -> Tracks:
     amplitude = UNTOLD if estimate.directness is None else 1 - DRAWN * (1 - estimate.directness)
     k = len(azimuths)
     place = float(np.hypot(PLACE, ASTRAY * (1 - amplitude)))
-    densities = np.array([around(source.azimuth, float(np.hypot(source.sigma, place))) for source in estimate.sources])
+    densities = np.array(
+        [around(source.azimuth, float(np.hypot(source.nominal, place))) for source in estimate.sources]
+    )
     densities = densities.reshape(k, N_AZIMUTHS)
     return Tracks(
         hypotheses=(Hypothesis(1.0, {}, np.ones(k)),),

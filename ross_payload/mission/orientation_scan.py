@@ -105,7 +105,7 @@ def steady(beliefs: Sequence[Estimate]) -> bool:
     latest = beliefs[-STEADY:]
     if len(latest) < STEADY or latest[-1].k < FEWEST:
         return False
-    sharp = all(s.resolved and s.sigma <= SHARP and s.confidence >= TRUSTED for s in latest[-1].sources)
+    sharp = all(s.resolved and s.nominal <= SHARP and s.confidence >= TRUSTED for s in latest[-1].sources)
     return sharp and all(agree(latest[-1], other) for other in latest)
 
 

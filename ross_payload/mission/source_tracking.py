@@ -128,7 +128,7 @@ class SourceTracker:
     def estimate(self) -> Estimate:
         """The exploration's estimate with the sources where they are."""
         sources = tuple(
-            replace(source, azimuth=float(azimuth), sigma=float(sigma))
+            replace(source, azimuth=float(azimuth), sigma=float(sigma), nominal_sigma=None)
             for source, azimuth, sigma in zip(self.anchor.sources, self.azimuths, self.tracks.sigmas, strict=True)
         )
         return replace(self.anchor, sources=sources)

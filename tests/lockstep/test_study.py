@@ -111,7 +111,7 @@ def test_a_study_that_was_killed_goes_on_and_ends_with_the_same_rows(run, asked,
     assert f"{kept} of {TASKS} tasks were done before" in said
     assert (killed / "journal.jsonl").read_bytes().startswith(before)
     assert journal(killed) == TASKS
-    for name in ("separations.csv", "explorations.csv", "gains.csv", "ends.csv", "tables.md"):
+    for name in ("separations.csv", "explorations.csv", "gains.csv", "ends.csv", "sigmas.csv", "tables.md"):
         assert (killed / name).read_bytes() == (alone / name).read_bytes(), name
     for name in ("aoa", "methods", "orientation-duet"):  # the same of the same rows: test_study_figures
         assert (killed / f"{name}.pdf").read_bytes().startswith(b"%PDF")
@@ -301,5 +301,5 @@ def test_a_full_disk_is_one_line_and_the_same_command_goes_on_to_the_same_rows(r
         assert f"{kept} of {TASKS} tasks were done before" in said
         whole = tmp_path / "whole"
         assert run(*asked, "--out", whole, "--workers", "1")[0] == 0
-    for name in ("separations.csv", "explorations.csv", "gains.csv", "ends.csv", "tables.md"):
+    for name in ("separations.csv", "explorations.csv", "gains.csv", "ends.csv", "sigmas.csv", "tables.md"):
         assert (out / name).read_bytes() == (whole / name).read_bytes(), name

@@ -79,7 +79,15 @@ def test_the_rows_of_two_shards_are_those_of_the_whole(run, study, halves, folde
     code, said, err = merge(run, reversed(halves), tmp_path / "merged")
     assert (code, err) == (0, "")
     assert "Mean SI-SDRi" in said
-    for name in ("separations.csv", "explorations.csv", "gains.csv", "ends.csv", "tables.md", "study.json"):
+    for name in (
+        "separations.csv",
+        "explorations.csv",
+        "gains.csv",
+        "ends.csv",
+        "sigmas.csv",
+        "tables.md",
+        "study.json",
+    ):
         assert (tmp_path / "merged" / name).read_bytes() == (whole / name).read_bytes(), name
     assert not (halves[0] / "separations.csv").exists()
 

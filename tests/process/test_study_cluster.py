@@ -29,7 +29,7 @@ run_s = 1.0
 rate_hz = 16000
 """
 TASKS = 2 + 2 + 2
-ROWS = ("separations.csv", "explorations.csv", "gains.csv", "ends.csv", "tables.md", "study.json")
+ROWS = ("separations.csv", "explorations.csv", "gains.csv", "ends.csv", "sigmas.csv", "tables.md", "study.json")
 OTHER_CODE = """
 from ross_sim.study import study_store
 study_store.code_hash = lambda code=None: "another"

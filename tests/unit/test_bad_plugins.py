@@ -127,6 +127,7 @@ BAD_EXPLORERS = {
     "crowd": (Believes(Estimate(tuple(source() for _ in range(100)))), "expected at most 16 sources, got 100"),
     "list": (Believes([source()]), "estimate: expected Estimate, got list"),
     "elevation": (Believes(Estimate((source(elevation=np.nan),))), "expected a finite elevation"),
+    "nominal": (Believes(Estimate((source(nominal_sigma=-0.1),))), "expected nominal_sigma >= 0 or None"),
     "directness": (Believes(Estimate((source(),), directness=np.nan)), "a finite directness or None"),
     "certain": (Believes(Estimate((source(),), certain="yes")), "expected certain true or false"),
     "resolved": (Believes(Estimate((source(resolved=None),))), "expected resolved true or false"),
@@ -180,11 +181,18 @@ def test_numbers_of_numpy_and_lists_become_those_of_python():
     assert json.dumps([separated.members, asdict(separated.quality[0])]) == (
         '[[[0], [1]], {"si_sdr": 3.0, "si_sdri": 2.0}]'
     )
-    one = source(np.float32(0.5), resolved=np.bool_(True), confidence=np.float32(1.0), elevation=np.float32(0.25))
+    one = source(
+        np.float32(0.5), resolved=np.bool_(True), confidence=np.float32(1.0), elevation=np.float32(0.25),
+        nominal_sigma=np.float32(0.125),
+    )  # fmt: skip
     believed = Estimate([one], certain=np.all([True]), directness=np.float32(0.75), rival=Estimate([one]))
     plain = checked_explorer("theirs", lambda: Believes(believed)).estimate([])
     assert json.dumps(asdict(plain)).startswith('{"sources": [{"azimuth": 0.5, ')
-    assert plain.rival.sources == plain.sources == (source(0.5, confidence=1.0, elevation=0.25, sigma=0.1),)
+    assert (
+        plain.rival.sources
+        == plain.sources
+        == (source(0.5, confidence=1.0, elevation=0.25, sigma=0.1, nominal_sigma=0.125),)
+    )
     seen = Observation(np.float32(0.5), np.zeros(1), np.ones(1), np.int64(2), peaks=np.array([0.25], np.float32))
     heard = checked_explorer("theirs", lambda: Observes(seen)).observe(spectrogram, scene.frequencies, 0.5, None)
     assert json.dumps([heard.heading, heard.weight, heard.peaks]) == "[0.5, 2.0, [0.25]]"

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from ross_sim.study.exploration_ends import EndRow, end_rows
-from ross_sim.study.exploration_tables import counts, last, reliability
+from ross_sim.study.exploration_ends import EndRow, SigmaRow, end_rows, sigma_rows
+from ross_sim.study.exploration_tables import counts, last, reliability, sigmas
 from ross_sim.study.page_tables import tables_of
 from ross_sim.study.result_rows import Exploration
 from ross_sim.study.row_files import as_csv
@@ -81,3 +81,26 @@ def test_all_tables_come_from_a_file_of_rows_and_the_same_from_one_of_their_ends
     assert made["counts"] == counts(ENDS).body()
     assert made["reliability"] == reliability(ENDS).body()
     assert made == tables_of(rows)
+
+
+def test_azimuths_are_compared_with_their_standard_deviations(tmp_path) -> None:
+    told = replace(ROWS[3], sigmas_deg=(0.5, 1.0, 1.5))  # the talker at 170 has no source: 82 deg are no error
+    again = replace(ROWS[1], sigmas_deg=(1.0, 0.5), setting="B0.3")
+    made = sigma_rows((1, 2), [ROWS[0], again, told])
+    assert [(row.rotations, row.errors_deg, row.sigmas_deg) for row in made] == [
+        (1, (0.0,), (1.0,)),
+        (2, (1.0, 2.0), (1.0, 0.5)),
+        (2, (1.0, 2.0), (0.5, 1.5)),
+    ]
+    cells = {line[0]: [cell.split()[0] for cell in line[1:]] for line in sigmas(made).rows}
+    assert cells == {
+        "B0.3": ["2", "1.5", "0.8", "1/2", "1/2"],
+        "A0.3": ["2", "1.5", "1.0", "0/2", "2/2"],
+        "all": ["4", "1.5", "0.8", "1/4", "3/4"],
+    }
+    (tmp_path / "sigmas.csv").write_bytes(as_csv(made, SigmaRow))
+    assert tables_of(tmp_path / "sigmas.csv") == {"sigmas": sigmas(made).body()}
+
+
+def test_nobody_found_has_no_standard_deviation() -> None:
+    assert sigmas(sigma_rows((1,), [row("one", 1, (0.0, 90.0), (), ())])).rows[-1] == ("all", "0", "-", "-", "-", "-")

@@ -20,7 +20,7 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Complex, Observation, Real
-from ross_payload.localization.joint import Joint, Stop, explorer
+from ross_payload.localization.joint import Joint, Stop, explorer, overdispersion
 from ross_payload.mission.reconsideration import DROPPED
 from ross_payload.plugin_checks import checked_explorer
 
@@ -311,6 +311,24 @@ def test_the_error_is_about_one_sigma() -> None:
             nearest = np.abs(difference(np.array(LAYOUTS[2]), source.azimuth)).min()
             scaled.append(nearest / source.sigma)
     assert 0.1 < np.sqrt(np.mean(np.square(scaled))) < 2
+
+
+def test_in_a_room_an_azimuth_may_be_farther_off_than_its_delays_tell() -> None:
+    rng, joint = np.random.default_rng(1), explorer.make(SPACING, SPEED)
+    azimuths, headings, psd = np.array(LAYOUTS[2]), STEP * np.arange(9), np.full(len(STFT.frequencies), 0.02)
+    heard = []
+    for heading in headings:
+        strips = [scene(azimuths, heading, rng, amplitudes=0.8 + 0.15 * rng.standard_normal(3), n_frames=20)
+                  for _ in range(12)]  # delays are drawn to 0, and scatter  # fmt: skip
+        heard.append(joint.observe(np.concatenate(strips, axis=2), STFT.frequencies, heading, psd))
+    wet, dry = joint.estimate(heard), believe(listen(LAYOUTS[2], 9))
+    assert wet.directness is not None
+    assert wet.directness < 0.9
+    assert overdispersion(wet.directness) > 1.1
+    for source in wet.sources:
+        assert source.nominal_sigma is not None
+        assert source.sigma == pytest.approx(overdispersion(wet.directness) * source.nominal_sigma)
+    assert [source.sigma for source in dry.sources] == [source.nominal_sigma for source in dry.sources]
 
 
 @pytest.mark.parametrize(("spacing", "speed"), [(0.0, 343.0), (-0.05, 343.0), (0.05, 0.0), (np.nan, 343.0)])

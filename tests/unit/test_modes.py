@@ -31,8 +31,10 @@ PIPELINED = replace(base.SETTINGS, pipelined=True, check=0.5, unit=0.5, max_rota
 AZIMUTHS = (170, 70, -50)
 
 
-def estimate(*degrees, sigma=0.01, confidence=0.9, resolved=True, certain=False):
-    sources = (SourceEstimate(float(np.deg2rad(a)), sigma, confidence, resolved) for a in degrees)
+def estimate(*degrees, sigma=0.01, confidence=0.9, resolved=True, certain=False, nominal=None):
+    sources = (
+        SourceEstimate(float(np.deg2rad(a)), sigma, confidence, resolved, nominal_sigma=nominal) for a in degrees
+    )
     return Estimate(tuple(sources), certain)
 
 
@@ -114,6 +116,12 @@ def test_a_belief_that_moves_is_not_steady():
     assert not steady([estimate(*AZIMUTHS)])
     assert not steady([estimate(170, 70, -50, -120), estimate(*AZIMUTHS)])
     assert not steady([estimate(170, 70, -30), estimate(*AZIMUTHS)])
+
+
+def test_a_belief_is_sharp_by_how_much_was_heard_whatever_the_room():
+    before, wide = estimate(*AZIMUTHS), np.deg2rad(5.0)
+    assert steady([before, estimate(*AZIMUTHS, sigma=wide, nominal=0.01)])
+    assert not steady([before, estimate(*AZIMUTHS, sigma=wide)])
 
 
 def test_order_and_wrapping_do_not_matter_to_agreement():

@@ -7,7 +7,7 @@ import pytest
 
 from ross_sim.study.benchmark.benchmark_rows import BenchmarkLocalization, BenchmarkSeparation
 from ross_sim.study.calibration_rows import CalibrationRow
-from ross_sim.study.exploration_ends import EndRow
+from ross_sim.study.exploration_ends import EndRow, SigmaRow
 from ross_sim.study.layout_gains import GainRow
 from ross_sim.study.mission_design import MissionStudy
 from ross_sim.study.mission_rows import MissionRow
@@ -40,6 +40,7 @@ TITLES = {
     Exploration: "explorations",
     GainRow: "gains",
     EndRow: "ends",
+    SigmaRow: "sigmas",
     MotionRow: "motions",
     Timing: "timing",
     MissionRow: "missions",

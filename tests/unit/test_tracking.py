@@ -23,6 +23,15 @@ def found(*degrees):
     return Estimate(tuple(sources), certain=True, directness=1.0)
 
 
+def test_tracks_know_reflections_by_the_directness_alone():
+    told = found(-10.0, 100.0)
+    wider = replace(
+        told, sources=tuple(replace(each, sigma=math.radians(5.0), nominal_sigma=each.sigma) for each in told.sources)
+    )
+    plain, wet = (tracking.begin(each, SPACING, SPEED) for each in (told, wider))
+    np.testing.assert_array_equal(plain.home_densities, wet.home_densities)
+
+
 def follow(paths, seconds, heading=lambda time: 0.6, seed=0, silent=()):
     """Follow sources at paths [deg] (functions of time); those in ``silent`` say nothing; yields time and tracks."""
     rng = np.random.default_rng(seed)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from ross_payload.angles import difference
+from ross_payload.interfaces import Real
 from ross_sim.study.exploration import NEAR_DEG
 from ross_sim.study.result_rows import Exploration
 from ross_sim.study.study_case import stopped
@@ -16,6 +18,7 @@ from ross_sim.study.study_design import STOP
 from ross_sim.study.tables import grouped
 
 FAR_DEG = 60.0  # to match sources and talkers nothing is farther apart
+FOUND_DEG = 15.0  # a source that is farther from every talker has no error: it is nobody
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,15 +58,42 @@ class EndRow:
         )  # fmt: skip
 
 
+@dataclass(frozen=True, slots=True)
+class SigmaRow:
+    """What is believed of the azimuths where a schedule of an exploration ends, of every talker who was found."""
+
+    setting: str
+    k: int
+    layout: int
+    seed: int
+    version: str
+    start: int
+    explorer: str
+    unit_s: float
+    turning_deg_s: float  # 0: step by step
+    schedule: str  # a number of rotations, or stop
+    rotations: int
+    directness: float | None
+    errors_deg: tuple[float, ...]
+    sigmas_deg: tuple[float, ...]
+
+
 def end_rows(schedules: Sequence[int | str], rows: Iterable[Exploration]) -> list[EndRow]:
     """The rows at which the schedules end, exploration by exploration; none for more rotations than there were."""
-    found = []
+    return [_end(schedule, row) for schedule, row in _ends(schedules, rows)]
+
+
+def sigma_rows(schedules: Sequence[int | str], rows: Iterable[Exploration]) -> list[SigmaRow]:
+    """The same explorations, each with the errors of its azimuths and their standard deviations."""
+    return [_sigmas(schedule, row) for schedule, row in _ends(schedules, rows)]
+
+
+def _ends(schedules: Sequence[int | str], rows: Iterable[Exploration]) -> Iterator[tuple[int | str, Exploration]]:
     for task in grouped(rows, lambda row: (row.seed, row.task)).values():
         ordered = sorted(task, key=lambda row: row.rotations)
         for schedule in schedules:
             end = stopped([row.certain for row in ordered]) if schedule == STOP else int(schedule)
-            found += [_end(schedule, row) for row in ordered if row.rotations == end]
-    return found
+            yield from ((schedule, row) for row in ordered if row.rotations == end)
 
 
 def _end(schedule: int | str, row: Exploration) -> EndRow:
@@ -73,10 +103,26 @@ def _end(schedule: int | str, row: Exploration) -> EndRow:
     )  # fmt: skip
 
 
+def _sigmas(schedule: int | str, row: Exploration) -> SigmaRow:
+    sources, errors = _matched(row)
+    found = errors <= FOUND_DEG
+    return SigmaRow(
+        row.setting, row.k, row.layout, row.seed, row.version, row.start, row.explorer, row.unit_s, row.turning_deg_s,
+        str(schedule), row.rotations, row.directness, tuple(errors[found].round(3).tolist()),
+        tuple(row.sigmas_deg[source] for source in sources[found]),
+    )  # fmt: skip
+
+
 def _there(row: Exploration) -> tuple[bool, ...]:
-    """Whether a talker of its own is near every source: they are matched so that the errors are least in all."""
-    apart = np.rad2deg(np.abs(difference(np.deg2rad(row.azimuths_deg)[:, None], np.deg2rad(row.azimuths_true_deg))))
+    """Whether a talker of its own is near every source."""
     near = np.zeros(len(row.azimuths_deg), dtype=bool)
-    mine, theirs = linear_sum_assignment(np.minimum(apart, FAR_DEG))
-    near[mine] = apart[mine, theirs] <= NEAR_DEG
+    sources, errors = _matched(row)
+    near[sources] = errors <= NEAR_DEG
     return tuple(near.tolist())
+
+
+def _matched(row: Exploration) -> tuple[NDArray[np.intp], Real]:
+    """Sources, (n,), each with a talker of its own, and their errors [deg]: matched so that these are least in all."""
+    apart = np.rad2deg(np.abs(difference(np.deg2rad(row.azimuths_deg)[:, None], np.deg2rad(row.azimuths_true_deg))))
+    sources, talkers = linear_sum_assignment(np.minimum(apart, FAR_DEG))
+    return sources, apart[sources, talkers]

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from ross_sim.study.exploration import NEAR_DEG
-from ross_sim.study.exploration_ends import EndRow
+from ross_sim.study.exploration_ends import FOUND_DEG, EndRow, SigmaRow
 from ross_sim.study.intervals import rate_cell
 from ross_sim.study.tables import Table, grouped
 
@@ -91,3 +91,24 @@ def reliability(rows: Sequence[EndRow]) -> Table:
     lines.append(("all", f"{told.mean():.3f}" if told.size else "-", rate_cell(int(true.sum()), len(true))))
     about = f"Sources by confidence; a source counts as a talker when one of its own is within {NEAR_DEG:g} deg."
     return Table("Confidence", ("confidence", "mean", "a talker there"), tuple(lines), about)
+
+
+def sigmas(rows: Sequence[SigmaRow]) -> Table:
+    """How many azimuths are within one and two of their standard deviations, by room, after the last rotation."""
+    most = max(row.rotations for row in rows)
+    ends = [row for row in rows if row.rotations == most]
+    lines = [(name, *_within(group)) for name, group in grouped(ends, lambda row: row.setting).items()]
+    about = (
+        f"Talkers with a source of their own within {FOUND_DEG:g} deg. Of normal errors 68 % are within one standard "
+        "deviation and 95 % within two."
+    )
+    header = ("", "talkers", "error [deg]", "sigma [deg]", "within one", "within two")
+    return Table("Standard deviations", header, (*lines, ("all", *_within(ends))), about)
+
+
+def _within(rows: Sequence[SigmaRow]) -> tuple[str, ...]:
+    errors, told = (np.concatenate([getattr(row, name) for row in rows]) for name in ("errors_deg", "sigmas_deg"))
+    if not errors.size:
+        return ("0", "-", "-", "-", "-")
+    shares = (rate_cell(int((errors <= n * told).sum()), errors.size) for n in (1, 2))
+    return (str(errors.size), f"{np.median(errors):.1f}", f"{np.median(told):.1f}", *shares)

@@ -32,8 +32,8 @@ from ross_sim.study.benchmark.benchmark_rows import (
 from ross_sim.study.calibration_rows import CalibrationRow, calibrations
 from ross_sim.study.cost_rows import CostRow, costs, growth
 from ross_sim.study.elevation_rows import ElevationRow, below
-from ross_sim.study.exploration_ends import EndRow, end_rows
-from ross_sim.study.exploration_tables import counts, finds, reliability
+from ross_sim.study.exploration_ends import EndRow, SigmaRow, end_rows
+from ross_sim.study.exploration_tables import counts, finds, reliability, sigmas
 from ross_sim.study.heading_rows import HeadingRow, headings
 from ross_sim.study.headroom_rows import HeadroomRow, headroom
 from ross_sim.study.layout_gains import GainRow, gain_rows
@@ -83,6 +83,7 @@ MAKERS: dict[type[Any], dict[str, Maker]] = {
     GainRow: _bodies(GAINED),
     Exploration: _bodies(FOUND, _ends),
     EndRow: _bodies(FOUND),
+    SigmaRow: _bodies({"sigmas": sigmas}),
     MotionRow: _bodies({"motions": motions}),
     CalibrationRow: _bodies({"calibrations": calibrations}),
     NoiseRow: _bodies({"noises": noises}),

@@ -19,7 +19,7 @@ from ross_payload.clock import SystemClock
 from ross_payload.errors import OutputError, refused_as
 from ross_payload.plugins import install_line
 from ross_sim.study.dask_engine import Basis, cluster
-from ross_sim.study.exploration_ends import EndRow, end_rows
+from ross_sim.study.exploration_ends import EndRow, SigmaRow, end_rows, sigma_rows
 from ross_sim.study.exploration_tables import finds
 from ross_sim.study.figures import draw
 from ross_sim.study.layout_gains import GainRow, gain_rows
@@ -217,6 +217,7 @@ def write(store: Store[Result], study: Study) -> list[Table]:
     if explorations:
         ends = end_rows(study.rotations, explorations)
         write_rows(store, "ends", ends, EndRow)
+        write_rows(store, "sigmas", sigma_rows(study.rotations, explorations), SigmaRow)
         made.append(finds(ends))
     if any(study.turning_deg_s):
         compared = motion_rows(explorations)
