@@ -254,6 +254,42 @@ def test_a_finger_that_rests_first_drags_up_and_down(board):
     assert page.evaluate("[told.turned, told.chosen, scrollY]") == [[], [130], 0]
 
 
+JUMP = "down => { document.body.style.paddingTop = `${down}px`; }"
+
+
+def test_a_chosen_heading_stays_when_the_page_jumps_under_a_finger(board):
+    page = board(three(), width=360)
+    page.evaluate("scrollTo(0, 0)")  # where no browser keeps in place what is seen
+    path = [on_screen(page, angle, 96) for angle in (45, 60, 90, 120, 135)]
+    fingers = page.context.new_cdp_session(page)
+    fingers.send("Emulation.setTouchEmulationEnabled", {"enabled": True})
+    for kind, (x, y) in [("touchStart", path[0]), *(("touchMove", place) for place in path)]:
+        fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
+    page.evaluate(JUMP, 60)
+    drawn(page)
+    for step in (1, 0):  # a finger is never still
+        place = {"x": path[-1][0] + step, "y": path[-1][1]}
+        fingers.send("Input.dispatchTouchEvent", {"type": "touchMove", "touchPoints": [place]})
+    fingers.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    fingers.detach()
+    page.evaluate(JUMP, 0)
+    assert page.evaluate("told.chosen") == [135]
+
+
+def test_a_drag_goes_along_with_a_page_that_is_scrolled(board):
+    page = board(scene([source(0, 120)], heading=45.0), width=360)
+    page.evaluate("scrollTo(0, 0)")
+    page.mouse.move(*on_screen(page, 45, 96))
+    page.mouse.down()
+    page.mouse.move(*on_screen(page, 90, 96), steps=4)
+    page.evaluate("scrollTo(0, 40)")
+    drawn(page)
+    page.mouse.move(*on_screen(page, 100, 96), steps=4)
+    page.mouse.up()
+    page.evaluate("scrollTo(0, 0)")
+    assert page.evaluate("told.turned") == [100]
+
+
 @pytest.mark.parametrize("where", [(45, 96), (52, 96), (52, RIM), (219, 90)])
 def test_a_click_on_the_handle_orders_nothing(board, where):
     """Also on its edge, which is seen at another angle than its middle."""

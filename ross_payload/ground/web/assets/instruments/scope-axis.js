@@ -118,14 +118,16 @@ function listeners({ heading, drag, onDrag, onTurn, onChoose }) {
 /** The heading of microphone 2 when the end that is held points to the pointer. */
 const goalOf = (event) => wrap(Math.round(seen(event) - Number(event.currentTarget.dataset.end)));
 const holds = (event) => event.currentTarget.dataset.pointer === String(event.pointerId);
-const taken = new WeakMap(); // by element: where and when the pointer took it, and whether it drags
+const taken = new WeakMap(); // by element: where and when the pointer took it, whether it drags, and around what
 
 function take(event) {
   if (event.button || !event.isPrimary) return;
   const { currentTarget: hand } = event;
   hand.dataset.pointer = event.pointerId;
   hand.dataset.end = event.target.closest("[data-end]")?.dataset.end ?? 0;
-  taken.set(hand, { x: event.clientX, y: event.clientY, at: event.timeStamp, drags: false });
+  const [centre, scroll] = [centreOf(hand), [scrollX, scrollY]];
+  const from = { x: event.clientX, y: event.clientY, at: event.timeStamp, drags: false };
+  taken.set(hand, { ...from, centre, drawn: centre, scroll });
   hand.setPointerCapture(event.pointerId);
 }
 
@@ -168,9 +170,24 @@ function pressed(event, { heading, drag, onDrag, onTurn }) {
   event.preventDefault(); // but let it through: a held Escape still stops
 }
 
-/** The angle at which the pointer is seen from the centre of the drawing. */
-function seen(event) {
-  const group = event.currentTarget;
-  const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(group.getScreenCTM().inverse());
-  return angleOf(x, y);
+/** The angle at which the pointer is seen from where the centre of the drawing is to the hand that drags. */
+function seen({ currentTarget: hand, clientX, clientY }) {
+  const from = taken.get(hand);
+  follow(from, centreOf(hand));
+  return angleOf(clientX - from.centre[0], clientY - from.centre[1]);
+}
+
+/** Go along with a page that is scrolled, not with one that jumps: the angle would jump, and no hand has moved. */
+function follow(from, drawn) {
+  const scroll = [scrollX, scrollY];
+  const gone = scroll.map((each, axis_) => from.scroll[axis_] - each);
+  const isScrolled = gone.every((each, axis_) => Math.abs(drawn[axis_] - from.drawn[axis_] - each) < 1);
+  if (isScrolled) from.centre = from.centre.map((each, axis_) => each + gone[axis_]);
+  Object.assign(from, { drawn, scroll });
+}
+
+/** Where the centre of the drawing is in the window [px]. */
+function centreOf(hand) {
+  const { e, f } = hand.getScreenCTM();
+  return [e, f];
 }
