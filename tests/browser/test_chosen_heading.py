@@ -93,6 +93,13 @@ def test_a_payload_turns_to_what_a_finger_chose_once_that_is_confirmed(page, cre
     assert len(orders(page)) == len(given) + 1
 
 
+def test_the_question_moves_nothing_that_can_be_pressed(page, crew):
+    controls = page.locator(".commands")
+    before = controls.bounding_box()["y"]
+    choose(page, crew)
+    assert controls.bounding_box()["y"] == pytest.approx(before, abs=1.0)
+
+
 def test_axe_finds_nothing_wrong_with_the_question(page, crew):
     """By itself: on a busy computer that may take longer than is waited for a confirmation."""
     choose(page, crew)

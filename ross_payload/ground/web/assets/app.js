@@ -225,8 +225,9 @@ class Page {
     this.ui = { ...this.ui, stop: followed(this), chosen: chosenHeading(this) };
     const view = VIEWS[this.route.view];
     render(
-      html`<div class="pinned">${header(this)}${banners(this)}</div>
+      html`<div class="pinned">${header(this)}</div>
         <main id="main" class="view view-${this.route.view}">${view(this)}</main>
+        ${banners(this)}
         ${helpPanel(this)}`,
       document.getElementById("page"),
     );

@@ -9,11 +9,11 @@ import { isStopping } from "../stop.js";
 const SHOWN = 10; // [s] that a refusal stays
 const BAD = { refused: "Refused", failed: "Failed", no_answer: "No answer" };
 
-/** They stay under the bar while the page scrolls: what was refused is seen wherever it was asked for. */
+/** They stay at the end of the window while the page scrolls: what was refused is seen wherever it was asked for. */
 export function banners(page) {
   const state = ground(page) ?? ended(page) ?? telemetry(page) ?? advice(page);
   const shown = [state, failure(page), refusal(page)].filter(Boolean);
-  return shown.length ? html`<section class="banners" aria-label="Notices">${shown}</section>` : nothing;
+  return shown.length ? html`<section class="banners" aria-label="Notices" tabindex="0">${shown}</section>` : nothing;
 }
 
 function ground(page) {

@@ -19,7 +19,7 @@ export function chosenHeading(page) {
   return isAsBefore(chosen.before, movement(told.sections)) ? chosen : null;
 }
 
-/** The question under the polar view; nothing while no heading is chosen. */
+/** The question over the end of the polar view; nothing while no heading is chosen. */
 export function confirmation(page, told) {
   const { chosen } = page.ui;
   if (chosen?.id !== told.id) return nothing;

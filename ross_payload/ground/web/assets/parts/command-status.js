@@ -1,4 +1,4 @@
-/** What became of every command, newest first. */
+/** Why no command can be given now, and what became of every command, newest first. */
 
 import { html, nothing, repeat } from "../templates.js";
 import { ago, fate, isOver, known } from "../formatting.js";
@@ -8,16 +8,20 @@ const SHOWN = 8;
 
 export function commandStatus(page, told) {
   const list = (told.sections.orders ?? []).slice(-SHOWN).reverse();
-  if (!list.length) return nothing;
+  const blocked = page.commandsBlocked;
   return html`<section class="card orders">
     <h2>Commands</h2>
-    <ol>
-      ${repeat(
-        list,
-        (each) => each.number,
-        (each) => line(page, told, each),
-      )}
-    </ol>
+    <div class="list" role="region" aria-label="Commands, newest first" tabindex="0">
+      ${blocked === null ? nothing : html`<p class="tied">${blocked}</p>`}
+      ${list.length || blocked !== null ? nothing : html`<p class="soft">No commands yet.</p>`}
+      <ol>
+        ${repeat(
+          list,
+          (each) => each.number,
+          (each) => line(page, told, each),
+        )}
+      </ol>
+    </div>
   </section>`;
 }
 

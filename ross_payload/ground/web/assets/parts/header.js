@@ -5,6 +5,7 @@ import { html, nothing } from "../templates.js";
 import { stopFate, stopTargets } from "../stop.js";
 import { THEMES, keepTheme } from "../theme.js";
 import { plural } from "../formatting.js";
+import { roomy } from "./tables.js";
 
 const PAGES = [
   ["fleet", "#/", "Payloads"],
@@ -52,7 +53,7 @@ function pageLink(page, [view, address, words]) {
 
 function standing(page) {
   const [level, words] = standingOf(page);
-  return html`<span class="tag ${level}">${words}</span>`;
+  return roomy(html`<span class="tag ${level}">${words}</span>`, "No connection");
 }
 
 /** Whether what is shown is of now, in a word. */
@@ -84,16 +85,13 @@ function control(page) {
   const { control: held, mayOrder } = page.store;
   if (!mayOrder) return html`<p class="control">Recordings do not accept commands.</p>`;
   if (page.over) return html`<p class="control">${page.over}</p>`;
-  const who = held.yours
-    ? "You have control"
-    : held.holder
-      ? `${held.name ?? held.holder} has control`
-      : "No browser has control";
+  const who = held.yours ? "You" : held.holder ? (held.name ?? held.holder) : "No browser";
+  const has = held.yours ? "have control" : "has control";
   const take = () => page.send({ type: "control", take: !held.yours });
   return html`<p class="control">
-    <span>${who}</span>
+    <span class="who" title=${`${who} ${has}`}><span>${who}</span> <span>${has}</span></span>
     <button type="button" class="quiet" ?disabled=${!page.socket.up} @click=${take}>
-      ${held.yours ? "Release control" : "Take control"}
+      ${roomy(held.yours ? "Release control" : "Take control", "Release control")}
     </button>
   </p>`;
 }

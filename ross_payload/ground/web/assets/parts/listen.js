@@ -3,7 +3,7 @@
 import { levelBar } from "../instruments/level-meters.js";
 import { DASH, capital, known, number, plural } from "../formatting.js";
 import { html, nothing } from "../templates.js";
-import { fact } from "./tables.js";
+import { fact, roomy } from "./tables.js";
 
 const PHASES = {
   off: "Silent. Nothing is streamed to this page.",
@@ -15,6 +15,7 @@ const PHASES = {
   fault: "Fault",
 };
 
+const LONGEST = "The payload has ended the stream. Press Listen twice to ask again.";
 const OVER = "The simulation has ended: nothing is streamed any more.";
 
 export function listenPanel(page, told) {
@@ -25,7 +26,7 @@ export function listenPanel(page, told) {
   return html`<section class="card listening" aria-label="Listen">
     <h2>Listen</h2>
     <p class=${["refused", "fault"].includes(listening.state.phase) ? "bad" : "soft"}>
-      ${page.over ? OVER : saying(listening)}
+      ${roomy(page.over ? OVER : saying(listening), LONGEST)}
     </p>
     ${page.store.fleet?.pace && !page.over ? html`<p class="soft pace">${page.store.fleet.pace}</p>` : nothing}
     <div class="listening-row">

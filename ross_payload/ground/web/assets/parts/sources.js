@@ -9,13 +9,13 @@ import { table } from "./tables.js";
 export function sources(page, told, mayOrder) {
   const list = told.sections.sources ?? [];
   if (!list.length) return html`<p class="soft">No sources yet. Start an exploration to find them.</p>`;
-  return html`${table(
+  return html`${mayOrder ? listen(page, told) : nothing}
+    ${table(
       "Table of sources",
       "sources stack",
       ["Source", "Azimuth", "Confidence", "Score"],
       list.map((each) => row(page, each)),
-    )}
-    ${mayOrder ? listen(page, told) : nothing}`;
+    )}`;
 }
 
 function row(page, source) {
@@ -40,13 +40,18 @@ function row(page, source) {
 
 /** Two microphones have no front: until it is resolved, the source may be on the other side of the axis. */
 const mirror = ({ resolved, mirror: other }) =>
-  resolved || !known(other) ? nothing : html`<br /><span class="soft">or ${degrees(other)}</span>`;
+  html` <span class="soft mirrored">${resolved || !known(other) ? "" : `or ${degrees(other)}`}</span>`;
 
+const UNSELECTED = html`<p class="soft choice">
+  Select a source here or in the polar view to listen to it or enrol it.
+</p>`;
+
+/** It stands above the table, which grows. */
 function listen(page, told) {
   const { selected } = page.ui;
   const there = (told.sections.sources ?? []).some((each) => each.source === selected);
-  if (!there) return html`<p class="soft">Select a source here or in the polar view to listen to it or enrol it.</p>`;
-  return html`<p class="buttons">
+  if (!there) return UNSELECTED;
+  return html`<p class="buttons choice">
     <button
       type="button"
       class="main"

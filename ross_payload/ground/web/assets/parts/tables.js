@@ -1,4 +1,4 @@
-/** Tables, and lists of terms and values. */
+/** Tables, lists of terms and values, and words that move nothing when they change. */
 
 import { html, nothing } from "../templates.js";
 
@@ -17,10 +17,14 @@ export const table = (label, kind, heads, rows) =>
     </table>
   </div>`;
 
-/** One row of a description list; `remark` is left out where a list has none. */
-export const fact = ([term, value, remark]) =>
+/** Words in the room that the longest ones need which may stand there: what is beside and below stays where it is. */
+export const roomy = (words, longest) =>
+  html`<span class="room" data-room=${longest}><span>${words}</span></span>`;
+
+/** One row of a description list; `remark` is left out where a list has none. `longest`: the remark in its room. */
+export const fact = ([term, value, remark, longest = ""]) =>
   html`<div>
     <dt>${term}</dt>
     <dd>${value}</dd>
-    ${remark === undefined ? nothing : html`<dd class="soft">${remark ?? ""}</dd>`}
+    ${remark === undefined ? nothing : html`<dd class="soft">${roomy(remark ?? "", longest)}</dd>`}
   </div>`;

@@ -16,7 +16,11 @@ import { missionFacts } from "../parts/mission.js";
 import { commandStatus } from "../parts/command-status.js";
 import { parameters } from "../parts/parameters.js";
 import { candidates, sources } from "../parts/sources.js";
+import { roomy } from "../parts/tables.js";
 import { ago, capital, duration, frame, known, state } from "../formatting.js";
+
+const LONGEST = `Last state: ${state("run")}`; // of what a payload does
+const MOST = ["last telemetry 59 min ago", "running for 23 h 59 min"];
 
 /** The watched payload, live. */
 export function payloadView(page) {
@@ -36,9 +40,10 @@ function glance(page, { id, sections: { standing = {}, mission = {} } }) {
     known(mission.time) && isLive(page) ? `running for ${duration(mission.time)}` : "",
     standing.version ? `version ${standing.version}` : "",
   ];
-  return html`${isLive(page) ? nothing : html`<p class="soft">Last state:</p>`}
-    <p class="state">${state(standing.state)}</p>
-    <p class="soft">${words.filter(Boolean).join(" · ")}</p>`;
+  const before = isLive(page) ? nothing : html`<span class="soft">Last state: </span>`;
+  const most = [...MOST, words[2]].filter(Boolean).join(" · ");
+  return html`<p class="now">${roomy(html`${before}<span class="state">${state(standing.state)}</span>`, LONGEST)}</p>
+    <p class="soft">${roomy(words.filter(Boolean).join(" · "), most)}</p>`;
 }
 
 function everything(page, told) {
@@ -47,7 +52,7 @@ function everything(page, told) {
   return html`<div class="payload-grid ${stale ? "stale" : ""}">
     ${picture(page, told, now, true)}
     <div class="beside">
-      <div class="column">${missionFacts(told.sections)}${commands(page, told)}${commandStatus(page, told)}${listenPanel(page, told)}</div>
+      <div class="column">${missionFacts(told.sections)}${commands(page, told)}${commandStatus(page, told)}</div>
       ${said(page, told, now, true)}
     </div>
     ${curves(page, told, now)}${condition(told, now, stale)}${parameters(page, told)}
@@ -130,7 +135,7 @@ function said(page, told, now, mayOrder) {
   const { sections } = told;
   return html`<div class="column">
     ${sections.standing?.mirrors_only ? nothing : card("Sources", sources(page, told, mayOrder))}
-    ${card("Events", events(sections, now))}
+    ${mayOrder ? listenPanel(page, told) : nothing} ${card("Events", events(sections, now))}
   </div>`;
 }
 

@@ -1,0 +1,142 @@
+"""What can be pressed stays where it is: a page that jumps under a finger turns an array that nobody meant to turn."""
+
+import pytest
+
+from examples import rows_in_soak
+from fleet_bench import FleetThread
+from made_telemetry import MadeTelemetry
+from ross_protocols.mavlink.dialect import ross
+from served_ground import served
+
+PLACES = """(rows) => {
+  const what = [".pinned :is(a, button, select)", ".scope > svg", ".commands :is(button, input)", ".choice", rows];
+  return Object.fromEntries(what.flatMap((selector) => [...document.querySelectorAll(selector)].map((each, index) => {
+    const { left, top } = each.getBoundingClientRect();
+    const scrolled = each.closest(".pinned") ? 0 : scrollY;
+    return [`${selector} ${index}`, [left, top + scrolled]];
+  })));
+}"""
+ROWS = ".sources tbody button"
+BELOW = """() => {
+  const { activeElement: focused } = document;
+  const { bottom } = focused.getBoundingClientRect();
+  const covered = bottom > document.querySelector(".banners").getBoundingClientRect().top;
+  return covered && focused.closest("main") ? focused.outerHTML : null;
+}"""
+HOURS = 23 * 3600 + 59 * 60
+LONG = "both channels carry the same microphone: check the channel map; samples were lost: the USB port is overloaded"
+
+
+@pytest.fixture(scope="module")
+def crew(browser):
+    with served() as ground, FleetThread(ground.port):
+        yield ground
+
+
+def states():
+    """Every state of a mission, and one that is not known."""
+    entries = [entry for entry in ross.enums["ROSS_STATE"].values() if not entry.name.endswith("ENUM_END")]
+    for entry in entries:
+        name = entry.name.removeprefix("ROSS_STATE_").lower()
+        yield f"state {name}", {"sections": {"standing": {"state": name, "state_meaning": entry.description}}}
+    yield "no state", {"sections": {"standing": {"state": None, "state_meaning": ""}}}
+
+
+def times():
+    for age in (0.1, 5, 59, 65, 4000, 40_000):
+        yield f"telemetry of {age} s ago", {"age": age}
+    for time in (None, 0.5, 75, HOURS):
+        yield f"a mission of {time} s", {"sections": {"mission": {"time": time, "elapsed": time}}}
+    for expected in (None, 30, 3754):
+        yield f"{expected} s expected", {"sections": {"mission": {"elapsed": 3754, "expected": expected}}}
+
+
+def results():
+    """What a mission finds."""
+    for facts in (
+        {"target": None, "target_found": False},
+        {"target": 1, "target_found": False},
+        {"target": 1, "target_found": True},
+        {"k": None, "score": None, "criterion": None, "si_sdr": None, "si_sdri": None, "gain": None},
+        {
+            "k": 12,
+            "certain": False,
+            "score": -12.34,
+            "criterion": -1.5,
+            "si_sdr": -11.5,
+            "si_sdri": -12.5,
+            "gain": 12.5,
+        },
+        {"rotation": 12, "rotation_max": 12},
+        {"rotation": None, "rotation_max": None},
+    ):
+        yield str(facts), {"sections": {"mission": facts}}
+    for facts in ({"goal": 300, "settled": False}, {"goal": None, "settled": False}, {"earth": False}):
+        yield str(facts), {"sections": {"pointing": facts}}
+
+
+def sources(found):
+    """From none to six sources; what is told of one."""
+    for count in range(7):
+        several = [{**found[0], "source": index, "azimuth": 10 + 50 * index} for index in range(count)]
+        yield f"{count} sources", {"sections": {"sources": several, "mission": {"k": count}}}
+    for facts in (
+        {"resolved": False, "mirror": 123.0},
+        {"resolved": True},
+        {"sigma": 123.4, "score": -1.23},
+        {"sigma": None, "confidence": None},
+    ):
+        yield str(facts), {"sections": {"sources": [{**each, **facts} for each in found]}}
+
+
+def happenings(now):
+    """What comes by itself, or by others."""
+    order = {"words": "explore", "state": "done", "reason": "", "progress": None, "since": now - 30, "at": now - 30}
+    for count in (0, 1, 8):
+        yield f"{count} orders", {"sections": {"orders": [{**order, "number": index} for index in range(count)]}}
+    running = {**order, "number": 1, "state": "in_progress", "progress": 0.5}
+    yield "an order in progress", {"sections": {"orders": [running]}}
+    refused = {**order, "number": 1, "state": "refused", "reason": "this mission runs by itself", "at": now}
+    yield "a refused order", {"sections": {"orders": [refused]}}
+    event = {"severity": 4, "text": "RoSS: something has happened that takes many words, more than one line has"}
+    yield "events", {"sections": {"events": [{**event, "at": now - each} for each in range(50, 0, -1)]}}
+    yield "bad health", {"sections": {"health": {"microphones": {"level": "act", "words": LONG}}}}
+    yield "advice", {"fleet": {"advice": "The log is not written any longer: the disk is full."}}
+    for name, yours in (("chrome at 127.0.0.1", False), ("firefox at 192.168.178.123", False), ("this one", True)):
+        yield f"control of {name}", {"control": {"holder": "x", "name": name, "yours": yours}}
+    yield "a refusal", {"refused": {"what": "explore", "reason": "chrome at 127.0.0.1 has control: take it first"}}
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "letters"),
+    [
+        (390, 844, 100),
+        *rows_in_soak((320, 640, 100), (768, 1024, 100), (1024, 768, 100), (1280, 800, 100), (1920, 1080, 100)),
+        *rows_in_soak((390, 844, 200), (320, 640, 200)),
+    ],
+)
+def test_nothing_that_is_told_moves_what_can_be_pressed(crew, window, width, height, letters):
+    told = MadeTelemetry(window, crew.url, width, height)
+    told.page.evaluate("size => { document.documentElement.style.fontSize = size; }", f"{letters}%")
+    told.tell()
+    rows = ROWS if letters == 100 else "none"  # a row of large letters has as many lines as it needs: it selects alone
+    before = told.page.evaluate(PLACES, rows)
+    assert len(before) > 20
+    known = [*states(), *times(), *results(), *sources(told.sections["sources"]), *happenings(told.now)]
+    moved = {}
+    for name, what in known:
+        told.tell(**what)
+        now = told.page.evaluate(PLACES, rows)
+        away = [each for each in now if each in before and now[each] != pytest.approx(before[each], abs=1.0)]
+        moved |= {name: away} if away else {}
+    assert moved == {}
+
+
+def test_what_gets_the_focus_does_not_lie_below_a_notice(crew, window):
+    told = MadeTelemetry(window, crew.url, 390, 844)
+    told.tell(age=65)
+    below = []
+    for _ in range(28):  # to the commands, and past them
+        told.page.keyboard.press("Tab")
+        below.append(told.page.evaluate(BELOW))
+    assert set(below) == {None}
