@@ -5,6 +5,7 @@ import pytest
 from examples import rows_in_soak
 from fleet_bench import FleetThread
 from made_telemetry import MadeTelemetry
+from page_eyes import sees
 from ross_protocols.mavlink.dialect import ross
 from served_ground import served
 
@@ -22,6 +23,17 @@ BELOW = """() => {
   const { bottom } = focused.getBoundingClientRect();
   const covered = bottom > document.querySelector(".banners").getBoundingClientRect().top;
   return covered && focused.closest("main") ? focused.outerHTML : null;
+}"""
+PRESS = """(names) => {
+  const press = () => {
+    if (!document.querySelector(".remarks")) return;
+    watch.disconnect();
+    const buttons = [...document.querySelectorAll(".commands button, .stop-button")];
+    names.forEach((name) => buttons.find((each) => each.textContent.includes(name)).click());
+  };
+  const watch = new MutationObserver(press);
+  watch.observe(document.body, { childList: true, subtree: true });
+  press();
 }"""
 HOURS = 23 * 3600 + 59 * 60
 LONG = "both channels carry the same microphone: check the channel map; samples were lost: the USB port is overloaded"
@@ -140,3 +152,16 @@ def test_what_gets_the_focus_does_not_lie_below_a_notice(crew, window):
         told.page.keyboard.press("Tab")
         below.append(told.page.evaluate(BELOW))
     assert set(below) == {None}
+
+
+def test_a_press_right_after_the_page_has_jumped_turns_nothing(crew, window):
+    """It was meant for what stood there before. A remark has no room until it comes."""
+    told = MadeTelemetry(window, crew.url, 390, 844)
+    told.tell()
+    told.page.evaluate(PRESS, ["Park", "Cancel", "STOP"])  # as soon as it comes
+    told.tell({"standing": {"boots": 2}})
+    assert [told.sent(kind) for kind in ("park", "cancel", "stop")] == [0, 1, 1]
+    sees(told.page, "Not sent: park. The page had just moved", "#refusal")
+    told.page.wait_for_timeout(600)
+    told.page.evaluate(PRESS, ["Park"])
+    assert told.sent("park") == 1

@@ -13,6 +13,7 @@ import { chosenHeading } from "./parts/chosen-heading.js";
 import { joined } from "./parts/comparison.js";
 import { answered } from "./parts/playback.js";
 import { routeOf, titleOf } from "./route.js";
+import { isHasty, noteMoves } from "./steadiness.js";
 import { SAID_AGAIN, doubted, followed, noted, rearmed, unstopped } from "./stop.js";
 import { applyTheme, readTheme } from "./theme.js";
 import { fleetView } from "./views/fleet.js";
@@ -141,8 +142,17 @@ class Page {
   }
 
   order(id, order) {
+    if (isHasty(order)) return this.withhold(order);
     if (order.kind === "rearm") this.ui = { ...this.ui, stop: rearmed(this.ui.stop, id) }; // it shall move again
     return this.send({ type: "order", id, order });
+  }
+
+  /** Send nothing, and say so. */
+  withhold({ kind: what }) {
+    const refused = { type: "refused", what, reason: "the page had just moved under the pointer; press again" };
+    this.store = take(this.store, refused, performance.now());
+    this.draw();
+    return false;
   }
 
   /** Stop these payloads. Without a link it is sent as soon as there is one: a late stop still stops. */
@@ -236,6 +246,7 @@ class Page {
     this.flightSound.follow(this);
     this.spectrogram.follow(document.querySelector(".spectrogram"), this.listening.playout?.spectrum ?? null);
     this.fitMap();
+    noteMoves();
     this.measure();
   }
 
