@@ -2,7 +2,7 @@
 
 import pytest
 
-from browsing import eventually
+from browsing import drawn, eventually
 from fleet_bench import FleetThread
 from page_eyes import sees, watch
 from served_ground import served
@@ -150,3 +150,13 @@ def test_a_link_is_named_by_its_medium_and_where_it_leads(kept):
     names = kept.evaluate(LINK_NAMES, links)
     assert names[:2] == ["UDP link to the ground, 1", "Serial link to the autopilot"]
     assert names[2:] == ["UDP link to the ground, 2", "TCP link to the ground"]
+
+
+@pytest.mark.parametrize("percent", [150, 200])
+def test_large_letters_make_the_page_no_wider_than_a_phone(kept, percent):
+    kept.set_viewport_size({"width": 320, "height": 640})
+    kept.evaluate("size => { document.documentElement.style.fontSize = size; }", f"{percent}%")
+    drawn(kept)
+    wide = kept.evaluate("document.documentElement.scrollWidth")
+    kept.evaluate("document.documentElement.style.fontSize = ''")
+    assert wide == 320
