@@ -4,7 +4,8 @@ import pytest
 
 from browsing import drawn, eventually
 from fleet_bench import FleetThread
-from page_eyes import sees, watch
+from made_telemetry import MadeTelemetry
+from page_eyes import sees, violations, watch
 from served_ground import served
 
 pytest.importorskip("aiohttp", reason="the extra [ground]")
@@ -160,3 +161,9 @@ def test_large_letters_make_the_page_no_wider_than_a_phone(kept, percent):
     wide = kept.evaluate("document.documentElement.scrollWidth")
     kept.evaluate("document.documentElement.style.fontSize = ''")
     assert wide == 320
+
+
+def test_words_can_be_read_while_telemetry_stays_away(crew, window):
+    told = MadeTelemetry(window, crew.url, 1280, 800)
+    told.tell(age=65)
+    assert violations(told.page, ["color-contrast"]) == []
