@@ -22,6 +22,7 @@ from ross_payload.events import Answer, Answered, Event, Separated, StateChanged
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, RecordingStatus
 from ross_payload.interfaces import Input
 from ross_payload.json_values import named
+from ross_payload.log_writer import LogWriter
 from ross_payload.mavlink import LinkStatus
 from ross_payload.telemetry.status_texts import line
 from ross_payload.token_bucket import TokenBucket
@@ -44,9 +45,12 @@ LEVELS = (
 def logging_to(
     stream: TextIO, level: str, form: str, environment: Mapping[str, str] = os.environ
 ) -> Iterator[logging.Handler]:
-    """Send every log line of ``level`` ("debug", "info"...) and above to a stream, in the format "text" or "json"."""
+    """Send every log line of ``level`` ("debug", "info"...) and above to a stream, in the format "text" or "json".
+
+    Whoever logs does not wait for a stream that is a file.
+    """
     journal = is_journal(stream, environment)
-    handler = logging.StreamHandler(stream)
+    handler = _handler(stream)
     handler.setFormatter(Json(journal) if form == "json" else Text(journal))
     handler.addFilter(Repeats())
     root, before = logging.getLogger(), logging.getLogger().level
@@ -58,6 +62,13 @@ def logging_to(
         root.setLevel(before)
         root.removeHandler(handler)
         handler.close()
+
+
+def _handler(stream: TextIO) -> logging.Handler:
+    try:
+        return LogWriter(stream.fileno(), stream.encoding)
+    except (OSError, ValueError):  # no file behind it
+        return logging.StreamHandler(stream)
 
 
 def is_journal(stream: TextIO, environment: Mapping[str, str]) -> bool:

@@ -1,10 +1,13 @@
 """``ross run`` as its user starts it: a file, a process, signals."""
 
 import json
+import os
+import select
 import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -14,6 +17,7 @@ from pymavlink import mavutil
 import waiting
 from ports import free_port
 from processes import program
+from ross_payload.service.health_socket import asked
 
 ROSS = (sys.executable, "-m", "ross_payload.cli")
 RATE = 16000
@@ -151,6 +155,34 @@ def test_a_shell_asks_it_how_it_is_while_it_runs(folder):
     with program([*ROSS, "run", path], folder):
         waiting.wait_for(lambda: asked() == (0, "idle\n"))
     assert asked() == (1, "")
+
+
+def test_a_terminal_that_takes_no_more_lines_holds_up_neither_the_payload_nor_its_end(folder):
+    """As after Ctrl-S, or when an SSH connection hangs: nobody reads what it logs."""
+    path = written(folder, source="file:long.wav")
+    reads, writes = os.pipe()
+    os.set_blocking(writes, False)
+    with suppress(BlockingIOError):
+        while True:
+            os.write(writes, bytes(select.PIPE_BUF))
+    os.set_blocking(writes, True)
+    with subprocess.Popen([*ROSS, "run", path], cwd=folder, stderr=writes) as process:
+        try:
+            os.close(writes)
+            waiting.wait_for(lambda: state_told(folder / "state") == "idle")
+            process.terminate()
+            assert process.wait(20) == 0
+        finally:
+            process.kill()
+            os.close(reads)
+
+
+def state_told(state):
+    """Return the state that the payload of a state folder tells; None when there is none."""
+    try:
+        return asked(state)["state"]
+    except (OSError, ValueError):
+        return None
 
 
 def test_a_port_in_use_is_named(folder):

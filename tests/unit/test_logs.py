@@ -2,6 +2,7 @@ import io
 import json
 import logging
 import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,6 +93,43 @@ def test_the_handler_goes_with_the_command(written):
     before = (root.level, list(root.handlers))
     written(lambda: LOG.info("hello"))
     assert (root.level, list(root.handlers)) == before
+
+
+@pytest.fixture
+def unread():
+    """Both ends of a pipe: where to log, and what nobody reads yet."""
+    reads, writes = os.pipe()
+    with os.fdopen(writes, "w") as stream, os.fdopen(reads, "rb", buffering=0) as reader:
+        yield stream, reader
+
+
+@pytest.mark.timeout(60)
+def test_nobody_waits_for_a_pipe_that_nobody_reads(unread):
+    stream, _ = unread
+    with logging_to(stream, "info", "text", {}):
+        for number in range(5000):
+            LOG.info("line %d: %s", number, "x" * 200)
+
+
+@pytest.mark.timeout(60)
+def test_lines_that_a_slow_reader_loses_are_counted(unread):
+    stream, reader = unread
+    with ThreadPoolExecutor(1) as readers:
+        with logging_to(stream, "info", "text", {}):
+            for number in range(5000):
+                LOG.info("line %d: %s", number, "x" * 200)
+            read = readers.submit(reader.readall)
+        stream.close()
+        *lines, told = read.result().decode().splitlines()
+    assert f"warning log_writer: {5000 - len(lines)} log lines were lost" in told
+
+
+def test_lines_for_a_reader_who_has_gone_end_nothing(unread, capfd):
+    stream, reader = unread
+    reader.close()
+    with logging_to(stream, "info", "text", {}):
+        LOG.info("good")
+    assert capfd.readouterr().err == ""
 
 
 def journal_lines(tmp_path, form):
