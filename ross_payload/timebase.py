@@ -89,6 +89,8 @@ class Timebase:
         self._behind = False  # the latest one was from long before
         self._far: float | None = None  # its time since its start when the latest UNIX time was far ahead [s]
         self._epoch: float | None = None  # UNIX time at 0 of our clock [s]
+        self._earliest = math.inf  # of these, but for what was left by a leap more than a day ago [s]
+        self._leapt: float | None = None  # since when the date is more than a day after the earliest one [s]
         self._lock = threading.Lock()
         self._latest: tuple[float, float] | None = None  # by `usec` last, and when [s]
 
@@ -113,6 +115,14 @@ class Timebase:
         with self._lock:
             epoch = self._since_1970()
             return None if epoch is None else datetime.fromtimestamp(self._clock.now() + epoch, UTC)
+
+    @property
+    def leapt(self) -> bool:
+        """Whether the date has leapt ahead by more than a day, in the last day of this program.
+
+        That is not how time passes: it was wrong before, or is now, as that of a satellite receiver may be.
+        """
+        return self._leapt is not None
 
     def local(self, boot: float) -> float | None:
         """Return the time on our clock [s] of a time on the autopilot's; None before a round trip has told."""
@@ -182,11 +192,24 @@ class Timebase:
             self._epoch = epoch
         else:
             self._epoch += EASE * (epoch - self._epoch)
+        self._look_for_leap(self._epoch, self._clock.now())
+
+    def _look_for_leap(self, epoch: float, now: float) -> None:
+        self._earliest = min(self._earliest, epoch)
+        if epoch - self._earliest <= FAR_S:
+            self._leapt = None
+        elif self._leapt is None:
+            self._leapt = now
+            days = (epoch - self._earliest) / FAR_S
+            log.warning("the date has leapt ahead by %.0f days: nothing recorded is taken for old by it", days)
+        elif now - self._leapt > FAR_S:
+            self._earliest, self._leapt = epoch, None
 
     def _since_1970(self) -> float | None:
         if self._epoch is None:
             system = self._system()
-            self._epoch = None if system is None else system - self._clock.now()
+            if system is not None:
+                self._epoch = self._earliest = system - self._clock.now()
         return self._epoch
 
     def _send(self, value: TimeSync, link: str) -> None:

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
+from functools import partial
 
 import numpy as np
 
@@ -140,8 +141,13 @@ def _parts(
             late=watchdog.late,
             restart=again.set,
             ended=lambda: not again.is_set(),
-            stamp=lambda: f"{now:{STAMP}}" if (now := timebase.utc()) is not None else "",
+            stamp=partial(_stamp, timebase),
+            today=lambda: "" if timebase.leapt else _stamp(timebase),
         )
+
+
+def _stamp(timebase: Timebase) -> str:
+    return f"{now:{STAMP}}" if (now := timebase.utc()) is not None else ""
 
 
 def _enrolled(config: Config) -> VoicePrint | None:

@@ -73,6 +73,7 @@ class Parts:
     synthetic: EmbeddingPrint | None = None  # the same, of a target that no person is: recordings keep it
     voices: VoiceStore | None = None  # where voices go that are enrolled on the way; None: they are not kept
     stamp: Callable[[], str] = lambda: ""  # of a new recording
+    today: Callable[[], str] | None = None  # by which recordings are too old, '' while that is not sure; None: `stamp`
     live: bool = False  # time is real: the audio is read, and listened to, on threads of their own
     latch: StopLatch | None = None  # what remembers an order to stop over a restart
     state: Path | None = None  # folder of what outlives a restart
@@ -135,7 +136,7 @@ def _mission(parts: Parts, source: AudioSource, actuator: Guard, *, stopped: boo
     """Make what records the session and what runs it; the one writes down what the other begins with."""
     config, clock = parts.parameters.config, parts.clock
     recorder = Recorder(
-        parts.store, config.recording, lambda: beginning(session, actuator, parts.synthetic), parts.stamp
+        parts.store, config.recording, lambda: beginning(session, actuator, parts.synthetic), parts.stamp, parts.today
     )
     voiceprint = None if parts.voiceprint is None else recorder.noting(parts.voiceprint)
     memory = Memory(stopped=stopped, starting=True)

@@ -72,15 +72,23 @@ class Recorder:
         its middle. Called on the mission's thread and by `record`.
     stamp : Callable[[], str]
         The time as in ``20261121T145421Z``, empty when the clock is not set.
+    today : Callable[[], str], optional
+        The same, by which sessions are too old, empty also while it is not sure; default: ``stamp``.
     """
 
     def __init__(
-        self, store: SessionStore, limits: config.Recording, begin: Begin, stamp: Callable[[], str] = lambda: ""
+        self,
+        store: SessionStore,
+        limits: config.Recording,
+        begin: Begin,
+        stamp: Callable[[], str] = lambda: "",
+        today: Callable[[], str] | None = None,
     ) -> None:
         self._store = store
         self._limits = limits
         self._begin = begin
         self._stamp = stamp
+        self._today = today or stamp
         self._queue: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._wanted = limits.always
         self._recording: OngoingRecording | None = None  # what the mission's thread fills
@@ -202,7 +210,7 @@ class Recorder:
     def _tidy(self) -> None:
         """Delete what is too old or too much while nothing is recorded."""
         try:
-            self._store.tidy(self._limits, stamp=self._stamp())
+            self._store.tidy(self._limits, stamp=self._today())
         except (OSError, RossError) as error:
             if self._status is not self._untidy:
                 self._before = self._status
@@ -255,7 +263,7 @@ class Recorder:
             self._end(recording, "the audio file is full")
         elif writer.seconds - recording.tidied >= TIDY_PERIOD_S:
             recording.tidied = writer.seconds
-            why = self._store.tidy(self._limits, writer.folder, self._stamp())
+            why = self._store.tidy(self._limits, writer.folder, self._today())
             self._status = replace(self._status, seconds=writer.seconds, free_gb=self._store.free() / GB)
             if why:
                 self._fail(recording, RecordingState.FULL, why)

@@ -3,11 +3,13 @@
 import json
 import os
 import select
+import shutil
 import signal
 import subprocess
 import sys
 import time
 from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -265,3 +267,21 @@ def test_a_stop_outlives_a_restart_until_armed_again(folder):
     assert "turning" not in said
     assert commanded(folder, 54009, links=links)[0] == 0  # re-arm
     assert not (folder / "state" / "stopped").exists()
+
+
+def test_an_autopilot_whose_date_leaps_ahead_has_no_recording_deleted(folder):
+    port, kept = free_port(), folder / "state" / "recordings" / "0001-20261120T120000Z"
+    shutil.copytree(Path(__file__).parent.parent / "data" / "session-0.1.0", kept)
+    link = f"[[links]]\nurl = 'udpin:127.0.0.1:{port}'\nrole = 'autopilot'"
+    path = written(folder, source="file:long.wav", links=link)
+    with program([*ROSS, "run", path], folder) as (_, log):
+        waiting.wait_for(lambda: "idle" in log.read_text())
+        autopilot = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=1, source_component=1)
+        for boot, unix in enumerate((1_795_180_000, 1_795_180_001, 2_095_180_002, 2_095_180_003), 1):
+            autopilot.mav.heartbeat_send(2, 3, 0, 0, 3)
+            autopilot.mav.system_time_send(unix * 1_000_000, boot * 1000)
+        autopilot.mav.command_long_send(1, 191, 54008, 0, 1, *[0] * 6)  # MAV_CMD_ROSS_RECORD
+        waiting.wait_for(lambda: [each for each in kept.parent.glob("0002-2036*/*.wav") if each.stat().st_size > 4096])
+        autopilot.close()
+        assert kept.exists()
+        assert "the date has leapt ahead by 3472 days" in log.read_text()

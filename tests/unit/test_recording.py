@@ -187,6 +187,17 @@ def test_what_is_too_old_is_deleted_also_while_nothing_is_recorded(tmp_path):
         assert recorder.status().state is RecordingState.OFF
 
 
+def test_a_date_that_is_not_sure_names_sessions_and_deletes_none(tmp_path):
+    record(tmp_path, [input_of(k) for k in range(60)])
+    (tmp_path / "0001").rename(tmp_path / "0001-20261001T120000Z")
+    limits = configured(max_days=30, always=True).recording
+    with Recorder(SessionStore(tmp_path), limits, beginning, lambda: "20371001T120000Z", lambda: "") as recorder:
+        for index in range(60):
+            recorder.on_input(input_of(index))
+        recorder.drain()
+    assert [path.name for path in sorted(tmp_path.iterdir())] == ["0001-20261001T120000Z", "0002-20371001T120000Z"]
+
+
 def test_a_folder_that_could_not_be_read_for_a_while_is_told_until_it_can(tmp_path):
     folder = tmp_path / "all"
     limits = configured(always=False).recording

@@ -148,6 +148,39 @@ def test_one_wrong_date_far_ahead_is_not_taken_and_one_that_stays_is(bench):
             assert timebase.usec() == pytest.approx(UNIX * 1e6)
 
 
+@pytest.mark.parametrize("step", [86_000.0, 11 * 31_557_600.0])
+def test_a_date_that_leaps_ahead_is_told_until_it_has_stood_for_a_day(bench, step):
+    """Also one that leaps in steps, each of less than a day."""
+    clock, voice, timebase = bench
+
+    def leaps_at(unix):
+        for _ in range(2):  # a single one far ahead is not taken
+            clock.sleep(1.0)
+            voice.call(Heard(vehicle.system_time(SystemTime(boot=clock.now(), unix=unix + clock.now()))))
+        return timebase.leapt
+
+    assert not timebase.leapt
+    assert [leaps_at(UNIX + ahead) for ahead in (0.0, step, 2 * step, 0.0)] == [False, step > 86_400, True, False]
+    assert not leaps_at(UNIX - step)
+    clock.sleep(100_000.0)  # time that passes is no leap
+    assert not leaps_at(UNIX - step)
+    assert leaps_at(UNIX + step)
+    clock.sleep(80_000.0)
+    assert leaps_at(UNIX + step)
+    clock.sleep(6_400.0)
+    assert not leaps_at(UNIX + step)
+
+
+def test_a_date_ahead_of_a_synchronised_clock_has_leapt(bench):
+    clock, voice, _ = bench
+    timebase = Timebase(clock, lambda: UNIX)
+    timebase.attach(voice)
+    assert timebase.utc() is not None
+    for boot in (1.0, 2.0):
+        voice.call(Heard(vehicle.system_time(SystemTime(boot=boot, unix=UNIX + 1e8))))
+    assert timebase.leapt
+
+
 def test_a_small_difference_is_worked_off_and_not_jumped(bench):
     _, voice, timebase = bench
     voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=UNIX))))
