@@ -1,4 +1,6 @@
-"""How the computer is that the payload runs on: read from /proc and /sys, and nothing that could wait for long.
+"""How the computer is that the payload runs on: read from /proc and /sys, and the disk on a thread of its own.
+
+A network share, or a disk that is about to fail, may take minutes to say how full it is; the pump does not wait for it.
 
 Not for lock-step simulation: what it says depends on the machine.
 """
@@ -6,12 +8,15 @@ Not for lock-step simulation: what it says depends on the machine.
 from __future__ import annotations
 
 import os
+from concurrent.futures import Future, wait
 from pathlib import Path
 
 from ross_payload.named_paths import nearest_there
+from ross_payload.transport.async_task import begin
 from ross_protocols.mavlink.computer import Computer
 
 PERIOD = 5.0  # [s] between two looks
+DISK_TIMEOUT_S = 0.02  # that a look waits for the disk; what it says later is told by the next one
 COLDEST, HOTTEST = 1.0, 125.0  # of what a thermal zone can mean [degC]
 IDLE = 3, 4  # columns of /proc/stat: idle, and waiting for disks
 
@@ -27,6 +32,7 @@ class ComputerReader:
     def __init__(self, folder: Path, proc: Path = Path("/proc"), thermal: Path = Path("/sys/class/thermal")) -> None:
         self._folder, self._proc, self._thermal = folder, proc, thermal
         self._before: Ticks = {}
+        self._asked: Future[os.statvfs_result] | None = None  # the disk
 
     def __call__(self) -> Computer:
         """Look at everything."""
@@ -54,8 +60,14 @@ class ComputerReader:
         return [heat for heat in heats if COLDEST <= heat <= HOTTEST]
 
     def _disk(self) -> tuple[float | None, float | None]:
+        if self._asked is None:
+            self._asked = begin(lambda: os.statvfs(nearest_there(self._folder)))
+            wait([self._asked], DISK_TIMEOUT_S)
+        if not self._asked.done():
+            return None, None
+        asked, self._asked = self._asked, None
         try:
-            disk = os.statvfs(nearest_there(self._folder))
+            disk = asked.result()
         except OSError:
             return None, None
         return float((disk.f_blocks - disk.f_bfree) * disk.f_frsize), float(disk.f_blocks * disk.f_frsize)

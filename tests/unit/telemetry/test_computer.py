@@ -1,7 +1,11 @@
 """How the payload's computer is: read from files, told every five seconds, on request, and never in lock-step."""
 
+import os
+import threading
+
 import pytest
 
+import waiting
 from nobody import nobody
 from ross_payload.config import Link
 from ross_payload.telemetry.computer import ComputerReader
@@ -49,11 +53,28 @@ def test_a_core_that_worked_three_quarters_of_the_time_says_so_and_one_that_wait
 
 
 def test_memory_heat_uptime_and_disk_are_read(machine):
-    found = machine.read()
+    found = waiting.wait_for(lambda: each if (each := machine.read()).disk_total else None)
     assert (found.memory_used, found.memory_total) == (3000 * 1024, 4000 * 1024)
     assert found.temperature == 67.5, "the hottest zone that means anything"
     assert found.uptime == 350.52
     assert 0 < found.disk_used < found.disk_total, "of the nearest folder that is there"
+
+
+def test_nobody_waits_for_a_disk_that_does_not_answer(machine, monkeypatch):
+    """As a network share that is gone: the pump asks, which no stop could pass meanwhile."""
+    answers, asked, statvfs = threading.Event(), [], os.statvfs
+
+    def hung(folder):
+        asked.append(folder)
+        assert answers.wait(60)
+        return statvfs(folder)
+
+    monkeypatch.setattr(os, "statvfs", hung)
+    found = [machine.read() for _ in range(100)]
+    answers.set()
+    assert {(each.disk_used, each.disk_total, each.memory_total) for each in found} == {(None, None, 4000 * 1024)}
+    assert len(asked) == 1, "one thread waits"
+    waiting.wait_for(lambda: machine.read().disk_total)
 
 
 def test_what_cannot_be_read_is_not_known(tmp_path):
@@ -69,7 +90,8 @@ def test_this_computer_can_be_read(tmp_path):
 
 def test_the_disk_is_read_beside_a_folder_that_may_not_be_entered(closed):
     with nobody():
-        assert ComputerReader(closed / "inner")().disk_total
+        read = ComputerReader(closed / "inner")
+        assert waiting.wait_for(lambda: read().disk_total)
 
 
 # ------------------------------------------------------------------------------------------- told
