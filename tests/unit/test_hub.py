@@ -5,6 +5,7 @@ import socket
 import struct
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 
 import pytest
@@ -16,6 +17,7 @@ from ross_payload.errors import ConfigError, LinkError
 from ross_payload.transport.link_url import tcp_endpoint
 from ross_protocols.can import CanFrame
 from ross_sim.devices.can_hub import MOST_CLIENTS, MOST_WAITING, CanHub
+from waiting import wait_for
 
 can = pytest.importorskip("can")
 CLOCK = SystemClock()
@@ -191,6 +193,32 @@ def test_a_hub_that_goes_is_said_and_one_that_is_not_there_too(hub):
     with pytest.raises(LinkError, match="cannot join the bus"):
         open_wire(f"can:socketcand:127.0.0.1:{hub.port}", CLOCK)
     assert time.monotonic() - begin < 5
+
+
+def test_a_hub_that_dies_is_said_in_one_line_without_a_traceback():
+    """python-can puts one into its error, which the operator was then told."""
+    with socket.create_server(("127.0.0.1", 0)) as server, ThreadPoolExecutor() as dying:
+        url = f"can:socketcand:127.0.0.1:{server.getsockname()[1]}:can0"
+        died = dying.submit(die, server)
+        port = open_wire(url, CLOCK)
+        died.result(10)
+        with pytest.raises(LinkError) as told:
+            wait_for(port.receive)
+        port.close()
+    assert str(told.value) == f"wire '{url}' is down: Connection reset by peer"
+
+
+def die(server):
+    """Greet those who join, let one in, and reset the connection as a program does that is killed."""
+    with server.accept()[0] as probe:
+        probe.sendall(b"< hi >")
+        client, _ = server.accept()
+    client.sendall(b"< hi >")
+    for _ in ("open", "rawmode"):
+        client.recv(100)
+        client.sendall(b"< ok >")
+    client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    client.close()
 
 
 @pytest.mark.parametrize("rest", ["", "127.0.0.1", "127.0.0.1:0", "127.0.0.1:99999", "127.0.0.1:1:a b"])

@@ -12,7 +12,7 @@ import can
 
 from ross_payload.actuators.wires import connect, served_at
 from ross_payload.actuators.wires.codecs import CanCodec
-from ross_payload.errors import ConfigError, LinkError
+from ross_payload.errors import ConfigError, LinkError, reason
 from ross_payload.interfaces import Clock, Port
 from ross_protocols.can import CanFrame
 
@@ -48,7 +48,7 @@ class CanPort:
         except (can.CanError, OSError) as error:
             self._refused += 1
             if self._refused >= MAX_REFUSED_FRAMES:
-                raise LinkError(f"wire '{self._url}' takes no frames: {error}") from error
+                raise LinkError(f"wire '{self._url}' takes no frames: {_why(error)}") from error
 
     def receive(self) -> list[Any]:
         """Return the frames that have arrived; error, remote and FD frames are left out.
@@ -61,7 +61,7 @@ class CanPort:
         try:
             arrived = list(islice(iter(lambda: self._bus.recv(0), None), MAX_FRAMES_PER_READ))
         except (can.CanError, OSError) as error:
-            raise LinkError(f"wire '{self._url}' is down: {error}") from error
+            raise LinkError(f"wire '{self._url}' is down: {_why(error)}") from error
         return [
             CanFrame(each.arbitration_id, bytes(each.data), each.is_extended_id) for each in arrived if _is_data(each)
         ]
@@ -144,7 +144,7 @@ def _at_hub(url: str) -> CanPort:
         options: dict[str, Any] = {"host": host, "port": port, "tcp_tune": True}
         return CanPort(can.Bus(found["channel"] or CHANNEL, "socketcand", ignore_config=True, **options), url)
     except (can.CanError, OSError, ValueError) as error:
-        raise LinkError(f"wire '{url}': cannot join the bus: {error}") from error
+        raise LinkError(f"wire '{url}': cannot join the bus: {_why(error)}") from error
 
 
 def _joined(url: str, parts: re.Match[str]) -> CanPort:
@@ -153,7 +153,17 @@ def _joined(url: str, parts: re.Match[str]) -> CanPort:
     try:
         return CanPort(can.Bus(parts["channel"], interface, ignore_config=True, **rate), url)
     except (can.CanError, OSError, ImportError, ValueError, TypeError) as error:
-        raise LinkError(f"wire '{url}': cannot join the bus: {error}") from error
+        raise LinkError(f"wire '{url}': cannot join the bus: {_why(error)}") from error
+
+
+def _why(error: Exception) -> str:
+    r"""Say what a bus complains of, in one line: python-can puts tracebacks into some of its errors.
+
+    >>> _why(can.CanOperationError("Failed to receive: reset  Traceback (most recent call last):\n  File..."))
+    'Failed to receive: reset'
+    """
+    cause = error.__cause__ if isinstance(error, can.CanError) else error
+    return reason(cause) if isinstance(cause, OSError) else str(error).partition("Traceback (")[0].strip()
 
 
 wire = CanWire()
