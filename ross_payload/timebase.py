@@ -24,6 +24,7 @@ ORDER_S = 1.0  # by which messages may come out of order [s]
 STEP_S = 0.5  # [s]: a UNIX time that is off by more is set again, a smaller difference is worked off
 EASE = 0.1  # of a smaller difference, at a time
 SLOWEST = 0.9  # of real time, at which time goes on while it is ahead of a clock that was set back
+LOOK_PERIOD_S = 10.0  # [s] between two looks at the system's clock, where no autopilot tells the time
 FAR_S = 86_400.0  # [s]: a UNIX time that is ahead by more has to be told twice in a row
 PLAUSIBLE = 4_102_444_800.0  # UNIX time of 2100 [s]: a clock that says more is wrong
 
@@ -89,6 +90,8 @@ class Timebase:
         self._behind = False  # the latest one was from long before
         self._far: float | None = None  # its time since its start when the latest UNIX time was far ahead [s]
         self._epoch: float | None = None  # UNIX time at 0 of our clock [s]
+        self._told = False  # by the autopilot, which goes before the system
+        self._looked = -math.inf  # at the system's clock [s]
         self._earliest = math.inf  # of these, but for what was left by a leap more than a day ago [s]
         self._leapt: float | None = None  # since when the date is more than a day after the earliest one [s]
         self._lock = threading.Lock()
@@ -97,7 +100,8 @@ class Timebase:
     @property
     def unix(self) -> bool:
         """Whether `usec` counts from 1970; else since the boot of this computer."""
-        return self._since_1970() is not None
+        with self._lock:
+            return self._since_1970() is not None
 
     def usec(self) -> int:
         """Return the time [us]."""
@@ -162,10 +166,13 @@ class Timebase:
         self._boot, self._behind = message.boot, False
         if message.unix is not None and message.unix < PLAUSIBLE:
             epoch = message.unix - (self.local(message.boot) or self._clock.now())
-            before, known = self._far, self._since_1970()
+            with self._lock:
+                before, known = self._far, self._since_1970()
             self._far = message.boot if known is not None and epoch - known > FAR_S else None
             if self._far is None or before not in (None, self._far):  # the same one may come over two links
-                self._set(epoch)
+                with self._lock:
+                    self._told = True
+                    self._set(epoch)
 
     def _answer(self, request: TimeSync, received: ReceivedPacket) -> None:
         """Tell who asks our time, and in whose name it is told: the requests of others are alike."""
@@ -206,10 +213,12 @@ class Timebase:
             self._earliest, self._leapt = epoch, None
 
     def _since_1970(self) -> float | None:
-        if self._epoch is None:
-            system = self._system()
+        """Return the UNIX time at 0 of our clock [s]; that of the system goes on while our clock is suspended."""
+        now = self._clock.now()
+        if not self._told and (self._epoch is None or now - self._looked >= LOOK_PERIOD_S):
+            system, self._looked = self._system(), now
             if system is not None:
-                self._epoch = self._earliest = system - self._clock.now()
+                self._set(system - now)
         return self._epoch
 
     def _send(self, value: TimeSync, link: str) -> None:

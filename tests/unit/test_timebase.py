@@ -93,6 +93,28 @@ def test_a_systems_clock_that_is_synchronised_serves_at_once():
     assert not Timebase(clock, lambda: None).unix
 
 
+@pytest.mark.parametrize("suspended", [3600.0, 0.2, -7.0])
+def test_a_systems_clock_is_followed_while_no_autopilot_tells_the_time(bench, suspended):
+    """While the computer is suspended ours stands still; and what keeps the system's right may set it."""
+    clock, voice, _ = bench
+    ahead, known = [UNIX], [True]
+    timebase = Timebase(clock, lambda: clock.now() + ahead[0] if known[0] else None)
+    timebase.attach(voice)
+
+    def off():
+        clock.sleep(10.0)
+        return timebase.utc().timestamp() - clock.now() - UNIX
+
+    assert off() == pytest.approx(0.0, abs=1e-5)
+    ahead[0] += suspended
+    assert abs(off() - suspended) < 0.5
+    known[0], ahead[0] = False, 0.0
+    assert abs(off() - suspended) < 0.5, "not known to be right any more, it is not believed"
+    known[0] = True
+    voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=UNIX + clock.now()))))
+    assert abs(off()) < 0.5, "an autopilot goes before it"
+
+
 def test_time_never_runs_backwards(bench):
     clock, voice, timebase = bench
     times = []
