@@ -19,7 +19,7 @@ from ross_payload.ground.links.signing import read_key
 from ross_payload.ground.recordings import RecordingStore
 from ross_payload.ground.station import Station
 from ross_payload.ground.web.connections import raise_descriptor_limit
-from ross_payload.ground.web.faults import FaultLog
+from ross_payload.ground.web.faults import FaultLog, write_line
 from ross_payload.ground.web.flight_library import FlightLibrary
 from ross_payload.ground.web.security import is_loopback, new_token, out_of_date, read_token, tls_of
 from ross_payload.ground.web.server import Served, bound, serve
@@ -62,7 +62,7 @@ def run(options: Options) -> None:
     """
     tls = tls_of(options.certificate, options.key)
     if tls is not None and options.certificate is not None and (why := out_of_date(tls, options.certificate)):
-        _warn(f"the certificate {options.certificate} {why}: browsers will not trust it")
+        write_line(f"the certificate {options.certificate} {why}: browsers will not trust it")
     if options.flights is not None and options.flights != options.log and not options.flights.is_dir():
         raise GroundError(f"--flights {options.flights}: expected a folder, got none of that name")
     if options.audio_address:
@@ -117,7 +117,7 @@ def _announce(served: Served, options: Options, token: str | None) -> None:
     url = f"{served.url}?token={token}" if made else served.url
     click.echo(f"ross ground: {url}  (Ctrl-C ends it)")
     if options.certificate is None and not is_loopback(options.host):
-        _warn("without --certificate all is sent in CLEAR TEXT: who reads the token can send commands and listen")
+        write_line("without --certificate all is sent in CLEAR TEXT: who reads the token can send commands and listen")
     if options.open_page:
         webbrowser.open(url)
 
@@ -126,15 +126,11 @@ async def _advise(station: Station) -> None:
     """Say once what to look at when nothing comes, and when the log has ended."""
     await asyncio.sleep(ADVICE_AFTER_S)
     if advice := station.advice():
-        _warn(advice)
+        write_line(advice)
     while station.log is not None and not station.log.error:
         await asyncio.sleep(LOG_CHECK_PERIOD_S)
     if station.log is not None and station.log.error not in advice:
-        _warn(station.log.error)
-
-
-def _warn(text: str) -> None:
-    click.echo(f"ross ground: {text}", err=True)
+        write_line(station.log.error)
 
 
 @contextmanager

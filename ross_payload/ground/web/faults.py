@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import select
 import sys
 import time
 import traceback
@@ -21,8 +22,21 @@ def report(error: Exception) -> None:
 
 
 def write_line(text: str) -> None:
-    """Write a line to the terminal that must not be left out."""
-    print(f"ross ground: {' '.join(text.split())}", file=sys.stderr, flush=True)  # noqa: T201
+    """Write a line to the terminal that must not be left out, unless the terminal takes nothing."""
+    show(f"ross ground: {' '.join(text.split())}\n")
+
+
+def show(text: str) -> None:
+    """Write to the terminal, if it takes something: one that is held, by Ctrl-S for one, must not hold up the page."""
+    if _takes_something():
+        print(text, end="", file=sys.stderr, flush=True)  # noqa: T201
+
+
+def _takes_something() -> bool:
+    try:
+        return bool(select.select((), (sys.stderr,), (), 0.0)[1])
+    except (OSError, ValueError):  # no file behind it
+        return True
 
 
 class Reporter:
@@ -38,7 +52,7 @@ class Reporter:
 
     def __init__(
         self,
-        write: Callable[[str], object] = lambda line: print(line, file=sys.stderr, flush=True),  # noqa: T201
+        write: Callable[[str], object] = lambda line: show(f"{line}\n"),
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._write, self._clock = write, clock
@@ -73,7 +87,7 @@ class FaultLog(logging.Handler):
             text = "".join(traceback.format_exception(error))
             if text not in self._shown and len(self._shown) < MOST_TRACEBACKS:
                 self._shown.add(text)
-                print(text, end="", file=sys.stderr, flush=True)  # noqa: T201
+                show(text)
 
     def emit(self, record: logging.LogRecord) -> None:
         """Take what the web server logs."""
