@@ -22,17 +22,18 @@ class LogWriter(logging.Handler):
     Parameters
     ----------
     descriptor
-        Where to write. It stays open.
+        Where to write. The thread has a copy of its own, since it may write for longer than this one is open.
     encoding
         Of the lines.
     """
 
     def __init__(self, descriptor: int, encoding: str = "utf-8") -> None:
         super().__init__()
-        self._descriptor = descriptor
+        self._descriptor = os.dup(descriptor)
         self._encoding = encoding
         self._lines: SimpleQueue[str | None] = SimpleQueue()  # None: end
         self._lost = 0
+        self._over = False  # what is left is not written any more
         self._thread: threading.Thread | None = threading.Thread(target=self._work, name="log", daemon=True)
         self._thread.start()
 
@@ -53,6 +54,7 @@ class LogWriter(logging.Handler):
             self._tell_lost()
             self._lines.put(None)
             self._thread.join(LAST_WRITE_S)
+            self._over = True
             self._thread = None
         super().close()
 
@@ -64,7 +66,10 @@ class LogWriter(logging.Handler):
 
     def _work(self) -> None:
         for line in iter(self._lines.get, None):
+            if self._over:
+                break
             self._write(f"{line}\n".encode(self._encoding, "backslashreplace"))
+        os.close(self._descriptor)
 
     def _write(self, data: bytes) -> None:
         while data:
