@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -149,6 +150,14 @@ def test_a_target_that_is_not_there_is_not_found(mission, tmp_path):
     assert code == 3
     assert report["k"] == report["k_true"] == 2
     assert not report["groups"]
+
+
+def test_a_mission_that_takes_somebody_else_for_the_target_does_not_end_with_0(run, tmp_path):
+    """The payload accepts any voice here; only the simulation knows that it is wrong."""
+    asked = brief("no-target", tmp_path, explore=SOON, criterion=-100.0, check_s=1.0, run_s=1.0, **CHEAP)
+    code, said, _ = run("sitl", "--scenario", asked, "--actuator", "ideal", "--informed")
+    assert code == 4
+    assert re.search(r"\ntarget found: source \d is the target \(wrong: it is (arthur|bella|cedric)\)\. ", said)
 
 
 @pytest.fixture(scope="module")

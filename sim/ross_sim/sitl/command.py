@@ -13,8 +13,10 @@ if TYPE_CHECKING:
     from ross_sim.sitl.page_observer import PageObserver
 
 INTERRUPTED = 130
+WRONG_TARGET = 4  # which the simulation alone knows: the payload itself ends with 0
 SERVE = "Accept commands from --telemetry until Ctrl-C (default, without --page: udpout:127.0.0.1:14550)."
-EPILOG = """Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by the user.
+EPILOG = """Exit codes: 0 target found, 3 no target, 4 somebody else was taken for the target, 2 bad input, 1 fault, 130
+stopped by the user.
 
 URLs are udpin:host:port, udpout:host:port, tcp:host:port or serial:device:baud."""
 
@@ -145,7 +147,7 @@ def _run(
     from ross_sim.sitl.pace import speed_words
     from ross_sim.sitl.results_folder import ResultsFolder
     from ross_sim.sitl.serve import linked, serve
-    from ross_sim.sitl.summary import show
+    from ross_sim.sitl.summary import show, taken_for_target
     from ross_sim.sitl.talker_selection import directed, talkers_of
 
     if looking is not None:
@@ -174,8 +176,9 @@ def _run(
                     finished = perform(chosen, company, view, folder, speed, record=record, page=looking)
         finally:
             view.close()
-    show(finished, out, as_json)
-    outcome = int(finished.result.outcome)
+    mistaken = taken_for_target(finished.report, [voice.name for voice in company.voices])
+    show(finished, out, as_json, mistaken=mistaken)
+    outcome = WRONG_TARGET if mistaken else int(finished.result.outcome)
     if looking is not None and (outcome != INTERRUPTED or looking.stopped):
         looking.linger(out is not None, aside=as_json)
     return outcome

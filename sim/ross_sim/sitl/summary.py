@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,35 @@ from ross_protocols.angle_text import frame, rounded
 from ross_sim.sitl.mission_session import Finished
 
 
-def show(finished: Finished, out: Path | None, as_json: bool, console: Console | None = None) -> None:
-    """Print what was found and what it gained, on standard output when no console is given."""
+def taken_for_target(report: Mapping[str, Any], voices: Collection[str]) -> str:
+    """Say whose voice the payload delivered as the target's in truth; empty when it is the target's, or nobody knows.
+
+    Parameters
+    ----------
+    report
+        Of the mission.
+    voices
+        The names of all voices of the simulation: an enrolled voice of another name may be anybody's.
+
+    >>> group = {"target": True, "talkers": ["bella"]}
+    >>> report = {"outcome": "target_found", "target": "arthur", "groups": [group]}
+    >>> taken_for_target(report, ["arthur", "bella"]), taken_for_target(report, ["bella"])
+    ('bella', '')
+    """
+    delivered = next((group["talkers"] for group in report["groups"] if group["target"]), None)
+    known = report["outcome"] == "target_found" and report["target"] in voices
+    if not known or delivered is None or report["target"] in delivered:
+        return ""
+    return " and ".join(delivered) or "nobody"
+
+
+def show(
+    finished: Finished, out: Path | None, as_json: bool, console: Console | None = None, mistaken: str = ""
+) -> None:
+    """Print what was found and what it gained, on standard output when no console is given.
+
+    ``mistaken`` is who was taken for the target, as of `taken_for_target`.
+    """
     if as_json:
         click.echo(json.dumps(finished.report | {"timing": finished.timing}, indent=2))
         return
@@ -35,8 +63,10 @@ def show(finished: Finished, out: Path | None, as_json: bool, console: Console |
     for complaint in finished.complaints:
         console.print(f"hardware: {complaint}", style="red", markup=False)
     timing = finished.timing
+    wrong = f" (wrong: it is {mistaken})" if mistaken else ""
     console.print(
-        f"\n{values['outcome'].replace('_', ' ')}: {values['reason']}. {values['mission_s'] or 0:.1f} s simulated in "
+        f"\n{values['outcome'].replace('_', ' ')}: {values['reason']}{wrong}. "
+        f"{values['mission_s'] or 0:.1f} s simulated in "
         f"{timing['mission_s']:.1f} s, {times(timing['times_real_time'])} real time.",
         highlight=False,
         soft_wrap=True,
