@@ -14,7 +14,8 @@ from command_syntax import complaint
 from ports import free_port
 from processes import ROSS, program
 from ross_sim.scenario import load
-from short_mission import CHEAP, SOON, brief
+from short_mission import CHEAP, LATER, SOON, brief
+from waiting import wait_for
 
 ROOT = Path(__file__).parents[2]
 CI = ROOT / "docs" / "examples" / "ci"
@@ -86,6 +87,24 @@ def test_the_script_flies_the_example(tmp_path, environment, asked):
     assert flown.returncode == 0, flown.stdout + flown.stderr
     assert SAYS.search(flown.stdout)
     assert (tmp_path / "flight" / "payload.log").exists()
+
+
+@pytest.mark.soak
+def test_the_example_fails_when_somebody_else_is_taken_for_the_target(tmp_path, environment):
+    """The payload accepts the first voice that it listens to."""
+    scenario = brief("demo", tmp_path, explore=LATER, criterion=-100.0, check_s=1.0, run_s=2.0, **CHEAP)
+    scenario.write_text(scenario.read_text().replace("target = 0", "target = 1"))
+    flown = fly(tmp_path, environment, scenario, CI / "flight.py")
+    assert flown.returncode == 1
+    assert re.fullmatch(r"expected the target at 205\.0 deg, got (80|320)\.\d\n", flown.stderr), flown.stderr
+
+
+@pytest.mark.parametrize(
+    ("scenario", "azimuth"), [("demo", -40.0), ("drone-yaw", -10.0), ("silence", None), ("no-target", None)]
+)
+def test_the_example_knows_where_the_target_is(scenario, azimuth):
+    wanted = runpy.run_path(str(CI / "flight.py"))["azimuth_of_target"](load(scenario))
+    assert wanted == (None if azimuth is None else pytest.approx(azimuth))
 
 
 def test_a_mistake_in_the_arguments_of_the_example_is_no_traceback():
@@ -178,6 +197,52 @@ def test_a_script_that_is_told_to_end_waits_no_longer_for_its_payload(tmp_path, 
     )
     flown = fly(tmp_path, environment | {"GRACE": "1"}, "demo", program)
     assert (flown.returncode, flown.stderr) == (130, "")
+
+
+IDLE = """
+import os, time
+from pathlib import Path
+while not Path("started").exists(): time.sleep(0.05)
+Path("flying").write_text(str(os.getpid()))
+time.sleep(60)
+"""
+
+
+@pytest.fixture
+def idle(tmp_path, environment):
+    """The script with a payload and a program that end by themselves after a minute: its process and their ids."""
+    (tmp_path / "ross").write_text("#!/bin/sh\necho $$ > started\nexec sleep 60\n")
+    (tmp_path / "program.py").write_text(IDLE)
+    command = ["sh", CI / "fly.sh", "demo", tmp_path / "program.py"]
+    with subprocess.Popen(command, cwd=tmp_path, env=environment) as script:
+        wait_for(lambda: (tmp_path / "flying").exists() and (tmp_path / "flying").read_text(), 20.0)
+        yield script, [int((tmp_path / name).read_text()) for name in ("started", "flying")]
+        script.kill()
+
+
+def ended(pids):
+    """Whether all of them have ended, and are no zombies that were forgotten."""
+    stats = [Path(f"/proc/{pid}/stat") for pid in pids]
+    return not any(stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z" for stat in stats)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+def test_a_script_that_is_told_to_end_ends_its_program_and_its_payload(idle, number):
+    """A CI that cancels a job tells the shell alone."""
+    script, others = idle
+    script.send_signal(number)
+    assert script.wait(10) == 130
+    assert ended(others)
+
+
+@pytest.mark.skipif(
+    subprocess.run(["setpriv", "--pdeathsig", "TERM", "true"], capture_output=True, check=False).returncode != 0,
+    reason="needs setpriv of util-linux 2.33",
+)
+def test_nobody_outlives_a_script_that_is_killed(idle):
+    script, others = idle
+    script.kill()
+    wait_for(lambda: ended(others), 10.0)
 
 
 def test_the_action_hands_every_input_on():

@@ -1,7 +1,7 @@
 """Explore a simulated room, compare the azimuths with the scenario, and listen to the target.
 
 ``python flight.py URL SCENARIO [DEGREES]``: exit code 0 when everybody was found within so many degrees (5) and the
-target was recognised, 1 with a line that says what was not.
+target was recognised where it is, 1 with a line that says what was not.
 """
 
 import asyncio
@@ -28,15 +28,22 @@ def azimuths(scenario: Scenario) -> list[float]:
     return [-(talker.azimuth_deg + degrees(room_yaw(scenario))) for talker in scenario.talkers]
 
 
+def azimuth_of_target(scenario: Scenario) -> float | None:
+    """Where the target is for a client [deg]; None when the scenario does not say which of its talkers that is."""
+    named = [talker.name for talker in scenario.talkers]
+    index = named.index(scenario.target) if scenario.target in named else scenario.target
+    return azimuths(scenario)[index] if isinstance(index, int) and index < len(named) else None
+
+
 async def fly(url: str, scenario: str, allowed: float) -> str:
     """Fly one mission; return what is wrong with it, empty when all is well."""
-    truth = azimuths(load(scenario))
+    truth, target = azimuths(load(scenario)), azimuth_of_target(load(scenario))
     async with connect(url) as payload:
         found = [source.azimuth_deg for source in await payload.explore()]
         print("talkers at", *(f"{azimuth:.1f}" for azimuth in found))
         if len(found) != len(truth):
             return f"expected {len(truth)} talkers, got {len(found)}"
-        error = max(min(apart(azimuth, each) for each in found) for azimuth in truth)
+        error = max((min(apart(azimuth, each) for each in found) for azimuth in truth), default=0.0)
         print(f"largest error {error:.2f} deg")
         if error > allowed:
             return f"expected errors of {allowed:g} deg at most, got {error:.1f}"
@@ -47,10 +54,13 @@ async def fly(url: str, scenario: str, allowed: float) -> str:
             recognised.cancel()
             await searching  # raises when it failed
             return "expected the target to be recognised, got the end of the search"
-        print("target recognised")
+        recognised_at = found[payload.view["mission"]["target"]]
         await payload.cancel()
         with suppress(TaskCancelled):  # as asked for
             await searching
+        if target is not None and apart(recognised_at, target) > allowed:  # somebody else was taken for it
+            return f"expected the target at {target % 360.0:.1f} deg, got {recognised_at:.1f}"
+        print("target recognised")
     return ""
 
 

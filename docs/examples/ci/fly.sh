@@ -20,21 +20,27 @@ with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
     free.bind(("127.0.0.1", 0))
     print(free.getsockname()[1])')
 
-"$ross" sitl --serve --scenario "$scenario" --speed "${SPEED:-4}" --seed "${SEED:-0}" \
+with_us='setpriv --pdeathsig TERM'  # ends with this shell also where that is killed; not on every system
+$with_us true 2> /dev/null || with_us=''
+$with_us "$ross" sitl --serve --scenario "$scenario" --speed "${SPEED:-4}" --seed "${SEED:-0}" \
   --telemetry "udpout:127.0.0.1:$port" --out "$out" > "$out/payload.log" 2>&1 &
-payload=$! killer='' ended=0
+payload=$! flying='' killer='' ended=0
 finish() {
-  kill -TERM "$payload" 2> /dev/null || true
+  kill -TERM $flying "$payload" 2> /dev/null || true
   [ -z "$killer" ] || kill "$killer" 2> /dev/null || true
-  (sleep "${GRACE:-30}" && kill -KILL "$payload") > /dev/null 2>&1 &  # one whose plug-in never returns does not end
+  # one whose plug-in never returns does not end
+  (sleep "${GRACE:-30}" && kill -KILL $flying "$payload") > /dev/null 2>&1 &
   killer=$!
-  wait "$payload" 2> /dev/null || ended=$?  # the shell says "Terminated" there
+  wait $flying "$payload" 2> /dev/null || ended=$?  # of the last one; the shell says "Terminated" there
   kill "$killer" 2> /dev/null || true
 }
-trap 'finish; exit 130' INT TERM
+trap 'finish; exit 130' HUP INT TERM
 
 status=0
-"$python" "$program" "udpin:127.0.0.1:$port" "$scenario" "$@" || status=$?
+$with_us "$python" "$program" "udpin:127.0.0.1:$port" "$scenario" "$@" <&0 &
+flying=$!
+wait "$flying" || status=$?  # a signal ends this at once, and would not end a program in the foreground
+flying=''
 finish
 if [ "$ended" -eq 137 ]; then
   echo "the payload did not end within ${GRACE:-30} s and was killed" >&2
