@@ -60,6 +60,9 @@ class Payload(StreamRequests):
     - `LinkLost`, when nothing answers; it may have been done nevertheless. Before the client is opened and after it is
       closed nothing is sent, and `LinkLost` says so at once.
 
+    All of them belong to the event loop on which the client was opened, and raise `RuntimeError` on that of another
+    thread: from there, ``asyncio.run_coroutine_threadsafe(payload.turn(10), loop)``.
+
     There is no time limit but ``asyncio.timeout``. Cancelling a coroutine, also by a time limit, ends the waiting and
     nothing else: the payload goes on with its task, and only `cancel` or `stop` end that.
 
@@ -202,10 +205,14 @@ class Payload(StreamRequests):
             When it is not.
         ValueError
             When a number of it is none, or no 32-bit float can hold it: nothing is sent then.
+        RuntimeError
+            On another event loop than that of the client: nothing is sent then but a stop, for which nobody waits.
         """
         if not isinstance(order, command_types.Order):
             raise ValueError(f"order: expected one of the client's orders, got {order!r}")
         order.check()
+        if isinstance(order, command_types.Stop):  # not without one because a program has a mistake
+            self._changed.check_loop(anyway=lambda: self._commands.order(self.id, order))
         self._changed.check_open(order.words)
         self._commands.tick(self._station.now())
         number = self._commands.order(self.id, order)

@@ -14,6 +14,7 @@ from ross_payload.ground.errors import LinkLost
 Found = TypeVar("Found")
 MOST_EVENTS = 10_000  # that wait for a slow reader; the oldest are dropped
 NOT_OPEN, CLOSED = "the client is not open: use it inside of 'async with'", "the client is closed"
+OTHER_LOOP = "expected the event loop on which the client was opened; from another thread use asyncio.run_coroutine_threadsafe"
 
 
 class Wakeup:
@@ -22,10 +23,26 @@ class Wakeup:
     def __init__(self, ended: str = "") -> None:
         self._event = asyncio.Event()
         self._ended = ended  # why nothing changes; empty: something may
+        self._loop: asyncio.AbstractEventLoop | None = None  # on which it is woken; None: on any
 
     def open(self) -> None:
-        """Begin: from here on something may change. What is closed stays so."""
+        """Begin: from here on something may change, on the loop that runs. What is closed stays so."""
+        self._loop = asyncio.get_running_loop()
         self._ended = "" if self._ended == NOT_OPEN else self._ended
+
+    def check_loop(self, anyway: Callable[[], object] | None = None) -> None:
+        """Find out that the client's own event loop runs; on another one ``anyway`` is called on that of the client.
+
+        Raises
+        ------
+        RuntimeError
+            On another event loop, as of another thread: nobody would wake who waits there.
+        """
+        if self._loop is None or self._loop is asyncio.get_running_loop():
+            return
+        if anyway is not None:
+            self._loop.call_soon_threadsafe(anyway)
+        raise RuntimeError(OTHER_LOOP)
 
     def wake(self) -> None:
         """Let every coroutine look again."""
@@ -44,7 +61,10 @@ class Wakeup:
         ------
         LinkLost
             When nothing changes.
+        RuntimeError
+            On another event loop, as of another thread: nobody would wake it.
         """
+        self.check_loop()
         if self._ended:
             raise LinkLost(request, f"nothing was sent: {self._ended}")
 
@@ -55,7 +75,10 @@ class Wakeup:
         ------
         LinkLost
             When there is nothing left to wait for.
+        RuntimeError
+            On another event loop, as of another thread: nobody would wake it.
         """
+        self.check_loop()
         while not (found := find()):
             if self._ended:
                 raise LinkLost("what is awaited", self._ended)

@@ -388,3 +388,40 @@ def test_why_a_value_was_refused_is_no_reason_for_the_next_one():
 
     first, second = with_payload(station, work)
     assert (first.reason, second.reason) == ("expected 0.5 to 10, got 99", "out of range")
+
+
+def elsewhere(ask):
+    """Return what ``ask`` raises on the event loop of another thread, while that of the client goes on."""
+
+    async def work(payload):
+        error = await asyncio.to_thread(lambda: asyncio.run(raised(asyncio.wait_for(ask(payload), 3))))
+        await asyncio.sleep(0.2)
+        return error
+
+    return work
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda payload: payload.turn(5),
+        lambda payload: payload.until(lambda: None),
+        lambda payload: anext(payload.events()),
+        lambda payload: payload.parameters.list(),
+        lambda payload: payload.parameters.set("EXP_UNIT", 2.5),
+    ],
+)
+def test_the_loop_of_another_thread_is_refused_at_once(ask):
+    """Nobody would wake it, and the answer would never come."""
+    station = Scripted(Result.ACCEPTED)
+    error = with_payload(station, elsewhere(ask))
+    assert isinstance(error, RuntimeError)
+    assert "run_coroutine_threadsafe" in str(error)
+    assert station.commands() == []
+
+
+def test_a_stop_from_the_loop_of_another_thread_is_sent_all_the_same():
+    station = Scripted(Result.ACCEPTED)
+    error = with_payload(station, elsewhere(lambda payload: payload.stop()))
+    assert isinstance(error, RuntimeError)
+    assert [command.command for command in station.commands()] == [ross.MAV_CMD_ROSS_STOP]
