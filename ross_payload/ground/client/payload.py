@@ -217,7 +217,7 @@ class Payload(StreamRequests):
         self._commands.tick(self._station.now())
         number = self._commands.order(self.id, order)
         self._publish_progress()
-        status = await self._changed.until(lambda: self._over(number))
+        status = await self._changed.until(lambda: self._over(number), order.words)
         if status.state == DONE:
             return status
         own_words = await self._changed.within(REASON_TIMEOUT_S, lambda: self._own_words(number))  # a little later

@@ -14,7 +14,9 @@ from ross_payload.ground.errors import LinkLost
 Found = TypeVar("Found")
 MOST_EVENTS = 10_000  # that wait for a slow reader; the oldest are dropped
 NOT_OPEN, CLOSED = "the client is not open: use it inside of 'async with'", "the client is closed"
-OTHER_LOOP = "expected the event loop on which the client was opened; from another thread use asyncio.run_coroutine_threadsafe"
+OTHER_LOOP = (
+    "expected the event loop on which the client was opened; from another thread use asyncio.run_coroutine_threadsafe"
+)
 
 
 class Wakeup:
@@ -68,8 +70,8 @@ class Wakeup:
         if self._ended:
             raise LinkLost(request, f"nothing was sent: {self._ended}")
 
-    async def until(self, find: Callable[[], Found | None]) -> Found:
-        """Return what ``find`` returns, as soon as that is true.
+    async def until(self, find: Callable[[], Found | None], request: str = "what is awaited") -> Found:
+        """Return what ``find`` returns, as soon as that is true; ``request`` is what that is for.
 
         Raises
         ------
@@ -81,7 +83,7 @@ class Wakeup:
         self.check_loop()
         while not (found := find()):
             if self._ended:
-                raise LinkLost("what is awaited", self._ended)
+                raise LinkLost(request, self._ended)
             await self._event.wait()
         return found
 

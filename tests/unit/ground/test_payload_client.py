@@ -232,7 +232,9 @@ def test_a_closed_client_lets_nobody_wait():
             waiting = await work(payload)
         return await waiting
 
-    assert isinstance(asyncio.run(asyncio.wait_for(claim(), 60)), LinkLost)
+    lost = asyncio.run(asyncio.wait_for(claim(), 60))
+    assert isinstance(lost, LinkLost)
+    assert (lost.request, lost.reason) == ("turn to 10 deg", "the client is closed")
 
 
 def test_exploring_returns_the_sources_that_are_told_after_its_acknowledgement():
