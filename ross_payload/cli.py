@@ -151,6 +151,9 @@ def main() -> None:
     except ModuleNotFoundError as error:
         _complain(_lacking(error))
         code = 2
+    except SystemExit as error:  # we raise none here, and its code would be taken for that of a mission
+        _complain(f"ended by a plug-in or a library, which asked Python to exit with {error.code!r}")
+        code = 1
     except BrokenPipeError:
         code = 1
     except OSError as error:

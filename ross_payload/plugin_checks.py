@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 from ross_payload import plugins
-from ross_payload.errors import NotLive, PluginError, RossError
+from ross_payload.errors import PLUGIN_RAISES, NotLive, PluginError, RossError
 from ross_payload.events import Estimate
 from ross_payload.interfaces import (
     Complex,
@@ -231,6 +231,6 @@ def _called(who: str, method: str, call: Callable[[], T]) -> T:
         return call()
     except RossError as error:  # one line already
         raise PluginError(f"{who}: {error}") from error
-    except (Exception, SystemExit) as error:  # of others: it may raise anything
+    except PLUGIN_RAISES as error:  # of others: it may raise anything
         text = " ".join(str(error).split())[:MOST_TEXT]
         raise PluginError(f"{who}: {method} raised {type(error).__name__}: {text}") from error

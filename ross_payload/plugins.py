@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ross_payload.errors import PluginError, unknown
+from ross_payload.errors import PLUGIN_RAISES, PluginError, unknown
 
 
 def available(group: str) -> Mapping[str, EntryPoint]:
@@ -47,7 +47,7 @@ def load(group: str, name: str) -> Any:
         return points[name].load()
     except ModuleNotFoundError as error:
         raise PluginError(_missing(name, error)) from error
-    except (Exception, SystemExit) as error:  # a broken plug-in must not take the others with it
+    except PLUGIN_RAISES as error:  # a broken plug-in must not take the others with it
         raise PluginError(f"plug-in '{name}' ({points[name].value}) is broken: {error!r}") from error
 
 

@@ -17,7 +17,6 @@ from typing import Self
 
 from ross_payload import config
 from ross_payload.actuators.guard_checks import (
-    DRIVER_RAISES,
     STILL_RAD_S,
     checked_angle,
     checked_rate,
@@ -29,7 +28,15 @@ from ross_payload.actuators.guard_checks import (
     reported,
 )
 from ross_payload.actuators.motion_monitor import PARKING, MotionMonitor
-from ross_payload.errors import ActuatorError, ActuatorFault, ConfigError, NotHomed, RossError, TimeStandsStill
+from ross_payload.errors import (
+    PLUGIN_RAISES,
+    ActuatorError,
+    ActuatorFault,
+    ConfigError,
+    NotHomed,
+    RossError,
+    TimeStandsStill,
+)
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, SharedControl
 
 TURNS_ON, UNKNOWN = "and it still turns after the stop", "and nobody knows whether it stands"
@@ -255,7 +262,7 @@ class Guard:
         except ActuatorError:
             self._monitor.request_refused(self._clock.now())
             raise
-        except DRIVER_RAISES as error:
+        except PLUGIN_RAISES as error:
             fault = str(error) if isinstance(error, RossError) else driver_broke(error)
             self._monitor.request_refused(self._clock.now())
             self._latch(fault)
@@ -266,7 +273,7 @@ class Guard:
         """Take or give control; what a driver raises is a fault."""
         try:
             return request()
-        except DRIVER_RAISES as error:
+        except PLUGIN_RAISES as error:
             self._latch(str(error) if isinstance(error, RossError) else driver_broke(error))
             return None
 
@@ -274,13 +281,13 @@ class Guard:
         """Decelerate, also what ``others`` turn; never raises: a stop that fails is a fault; `poll` tries it again."""
         try:
             self._actuator.stop()  # before anything else is asked of the driver: it may never answer
-        except DRIVER_RAISES as error:
+        except PLUGIN_RAISES as error:
             self._fail("stop", error)
         if self._shared is not None and (others or self._unbraked):
             try:
                 self._shared.brake()
                 self._unbraked = False
-            except DRIVER_RAISES as error:
+            except PLUGIN_RAISES as error:
                 self._unbraked = True
                 self._fail("stop", error)
         if self._monitor.busy(self._read()):
@@ -291,7 +298,7 @@ class Guard:
     def _read(self) -> ActuatorState:
         try:
             return reported(self._actuator.state())
-        except DRIVER_RAISES as error:
+        except PLUGIN_RAISES as error:
             return ActuatorState(0.0, 0.0, False, homed=False, healthy=False, time=-math.inf, fault=driver_broke(error))
 
     def _doubt(self, state: ActuatorState) -> str:
@@ -308,7 +315,7 @@ class Guard:
             self.capabilities, self._unfit = guarded(hardware, self._rules), ""
         except ConfigError as error:
             self._unfit = str(error)
-        except DRIVER_RAISES as error:
+        except PLUGIN_RAISES as error:
             self._hardware, self._unfit = None, driver_broke(error)
 
     def _polled(self, now: float) -> str:
@@ -319,7 +326,7 @@ class Guard:
             state = reported(self._actuator.state())
         except RossError as error:
             return str(error)
-        except DRIVER_RAISES as error:  # a bug in a driver must not end its polling: it may still be able to decelerate
+        except PLUGIN_RAISES as error:  # a bug in a driver must not end its polling: it may still be able to decelerate
             return driver_broke(error)
         self._monitor.on_report(state)
         if not self._monitor.busy(state):
@@ -350,7 +357,7 @@ class Guard:
                 self._park()
             else:
                 self._halt()
-        except DRIVER_RAISES as error:
+        except PLUGIN_RAISES as error:
             self._halt()
             self._fail("fault action", error)
 

@@ -12,14 +12,13 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from ross_payload import config
-from ross_payload.errors import ActuatorFault, ConfigError, LimitError, RossError
+from ross_payload.errors import PLUGIN_RAISES, ActuatorFault, ConfigError, LimitError, RossError
 from ross_payload.interfaces import ActuatorState, Capabilities
 
 LIMIT_TOLERANCE_RAD = 1e-9  # [rad], so that a limit itself is inside the limits
 MAX_AHEAD_S = 0.05  # a report may be so far ahead of the clock [s]
 PATIENCE_S = 2.0  # without a poll: so long no report grows stale
 STILL_RAD_S = math.radians(2)  # slower is at rest [rad/s]
-DRIVER_RAISES = (Exception, SystemExit)  # what a driver may raise; none of it ends the program, or keeps a stop from it
 SLOWEST_RAD_S = 1e-6  # least speed that is one: a radian in 12 days [rad/s]
 
 
@@ -199,7 +198,7 @@ def driver_faults(*others: type[Exception]) -> Iterator[None]:
     """
     try:
         yield
-    except DRIVER_RAISES as error:
+    except PLUGIN_RAISES as error:
         if isinstance(error, (RossError, *others)):
             raise
         raise ActuatorFault(driver_broke(error)) from error

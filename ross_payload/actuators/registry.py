@@ -13,11 +13,12 @@ from typing import Any
 
 from ross_payload import config, plugins
 from ross_payload.actuators.guard import Guard
-from ross_payload.errors import ConfigError, PluginError, RossError
-from ross_payload.interfaces import Backend, Services
+from ross_payload.errors import PLUGIN_RAISES, ConfigError, PluginError, RossError
+from ross_payload.interfaces import Actuator, Backend, Capabilities, Services
 
 GROUP = "ross_payload.actuators"
 ROUNDING_DEG = 1e-6  # of a travel that is told in radians
+METHODS = ("command", "state", "stop", "home", "release", "poll", "__enter__", "__exit__")  # of an `Actuator`
 CAPS = ("max_speed_deg_s", "max_acceleration_deg_s2")
 
 
@@ -43,16 +44,33 @@ def open_actuator(settings: config.Config, services: Services) -> Guard:
     kind = settings.actuator.kind
     backend, options = _backend(kind), checked_options(settings)
     try:
-        guard = Guard(backend.open(options, services), settings.guard, services.clock)
+        guard = Guard(_whole(kind, backend.open(options, services)), settings.guard, services.clock)
     except RossError:
         raise
-    except Exception as error:  # of a plug-in: it may raise anything
+    except PLUGIN_RAISES as error:  # of a plug-in: it may raise anything
         raise PluginError(f"actuator '{kind}': open raised {error!r}") from error
     travel = math.degrees(guard.capabilities.upper - guard.capabilities.lower)
     if settings.explore.continuous and travel < config.LEAST_TRAVEL_DEG - ROUNDING_DEG:
         least = config.LEAST_TRAVEL_DEG
         raise ConfigError(f"explore.continuous: expected {kind} to turn at least {least:g} deg, got {travel:g}")
     return guard
+
+
+def _whole(kind: str, actuator: Any) -> Actuator:
+    """Return what a back end has opened; one that cannot be stopped shall not move.
+
+    Raises
+    ------
+    PluginError
+        When it lacks something that an `Actuator` has.
+    """
+    missing = [name for name in METHODS if not callable(getattr(actuator, name, None))]
+    if not isinstance(getattr(actuator, "capabilities", None), Capabilities):
+        missing.append("capabilities")
+    if missing:
+        lacks = f"{type(actuator).__name__} without {', '.join(missing)}"
+        raise PluginError(f"actuator '{kind}': open: expected an Actuator, got {lacks}")
+    return actuator  # type: ignore[no-any-return]
 
 
 def checked_options(settings: config.Config) -> Any:
@@ -110,4 +128,6 @@ def _backend(name: str) -> Backend:
     backend = plugins.load(GROUP, name)
     if not (hasattr(backend, "Config") and callable(getattr(backend, "open", None))):
         raise PluginError(f"plug-in '{name}' is broken: expected an object with Config and open(config, services)")
+    if not hasattr(backend.Config, "model_validate"):
+        raise PluginError(f"plug-in '{name}' is broken: expected a pydantic model as Config, got {backend.Config!r}")
     return backend  # type: ignore[no-any-return]

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from ross_payload.audio.live_source import SourceStatus, Watched
-from ross_payload.errors import AudioError, PluginError, RossError
+from ross_payload.errors import PLUGIN_RAISES, AudioError, PluginError, RossError
 from ross_payload.interfaces import AudioBlock, AudioSource
 
 SOURCE_METHODS = ("read", "__enter__", "__exit__")
@@ -58,7 +58,7 @@ class CheckedSource:
             block = self._source.read(n)
         except RossError:
             raise
-        except Exception as error:  # of others: it may raise anything
+        except PLUGIN_RAISES as error:  # of others: it may raise anything
             raise AudioError(f"{self._who}: read raised {_text(error)}") from error
         fault = self._fault(block, n)
         if fault:
@@ -72,7 +72,7 @@ class CheckedSource:
             return SourceStatus()
         try:
             status: Any = self._source.status()
-        except Exception as error:  # of others: it may raise anything, and the pump asks
+        except PLUGIN_RAISES as error:  # of others: it may raise anything, and the pump asks
             return SourceStatus(trouble=f"{self._who}: status raised {_text(error)}")
         if not isinstance(status, SourceStatus):
             return SourceStatus(trouble=f"{self._who}: status: expected SourceStatus, got {type(status).__name__}")
@@ -92,7 +92,7 @@ class CheckedSource:
             self._source.__enter__()
         except RossError:
             raise
-        except Exception as error:  # of others: it may raise anything
+        except PLUGIN_RAISES as error:  # of others: it may raise anything
             raise AudioError(f"{self._who}: cannot be opened: {_text(error)}") from error
         self._is_open = self._was_open = True
         return self
@@ -126,5 +126,5 @@ def _fault_of_samples(samples: Any, n: int) -> str:
     return "" if largest <= 1.0 else f"expected samples within -1 to 1, got {largest:g}"
 
 
-def _text(error: Exception) -> str:
+def _text(error: BaseException) -> str:
     return f"{type(error).__name__}: {' '.join(str(error).split())[:MOST_TEXT]}"

@@ -16,7 +16,7 @@ from ross_payload.audio.checked_source import SOURCE_METHODS, CheckedSource
 from ross_payload.audio.live_source import LiveSource, Opener
 from ross_payload.clock import RetryingOpener
 from ross_payload.config import Audio, Config
-from ross_payload.errors import PluginError, RossError, near, shown
+from ross_payload.errors import PLUGIN_RAISES, PluginError, RossError, near, shown
 from ross_payload.interfaces import AudioSource, Clock
 
 GROUP = "ross_payload.audio_sources"
@@ -75,7 +75,7 @@ def open_source(config: Config, clock: Clock, timeout: float = 0.0) -> CheckedSo
         source = plugin(address, services)
     except RossError:
         raise
-    except Exception as error:  # of others: it may raise anything
+    except PLUGIN_RAISES as error:  # of others: it may raise anything
         raise PluginError(f"audio source '{name}': open raised {type(error).__name__}: {error}") from error
     lacking = [method for method in SOURCE_METHODS if not callable(getattr(type(source), method, None))]
     if lacking:

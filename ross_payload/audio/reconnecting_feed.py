@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable
 from typing import Protocol
 
-from ross_payload.errors import RossError
+from ross_payload.errors import PLUGIN_RAISES, RossError
 from ross_payload.interfaces import Clock
 
 log = logging.getLogger(__name__)
@@ -102,7 +102,7 @@ class ReconnectingFeed:
     def _is_alive(self) -> bool:
         try:
             return self._feed is not None and self._feed.alive
-        except Exception:  # of others: it may raise anything
+        except PLUGIN_RAISES:  # of others: it may raise anything
             return False
 
     def _attempt(self) -> None:
@@ -110,7 +110,7 @@ class ReconnectingFeed:
             self._drop()
             self._feed = self._opener()
             self.reopened += 1
-        except Exception as error:  # of others: it may raise anything
+        except PLUGIN_RAISES as error:  # of others: it may raise anything
             self._report(_in_words("opened", error))
         finally:
             now = self._clock.now()
@@ -131,11 +131,11 @@ class ReconnectingFeed:
         try:
             if feed is not None:
                 feed.close()
-        except Exception as error:  # of others: it may raise anything, and what it was is gone
+        except PLUGIN_RAISES as error:  # of others: it may raise anything, and what it was is gone
             log.warning("%s", _in_words("closed", error))
 
 
-def _in_words(what: str, error: Exception) -> str:
+def _in_words(what: str, error: BaseException) -> str:
     if isinstance(error, RossError):
         return str(error)
     return f"the microphones cannot be {what}: {type(error).__name__}: {' '.join(str(error).split())[:MOST_TEXT]}"

@@ -10,7 +10,7 @@ from queue import Empty, Full, Queue
 from typing import Protocol
 
 from ross_payload.audio.sinks import SinkInfo, info_of
-from ross_payload.errors import RossError
+from ross_payload.errors import PLUGIN_RAISES, RossError
 from ross_payload.interfaces import AudioSink, Clock, VoiceBlock
 
 RETRY_S = 2.0  # between two attempts to open a sink
@@ -97,7 +97,7 @@ class DirectRunner:
             sink.__enter__()
             self._sink = sink
             self._look(sink)
-        except Exception as error:  # of others: a plug-in may raise anything
+        except PLUGIN_RAISES as error:  # of others: a plug-in may raise anything
             self._end()
             self._fail(_in_words(error))
 
@@ -110,7 +110,7 @@ class DirectRunner:
         try:
             self._sink.write(block)
             self._look(self._sink)
-        except Exception as error:  # of others: it may raise anything
+        except PLUGIN_RAISES as error:  # of others: it may raise anything
             self._lost += len(block.samples)
             self._end()
             self._due = self._clock.now() + RETRY_S
@@ -131,7 +131,7 @@ class DirectRunner:
             sink.__exit__(None, None, None)
             self._lost += _lost_by(sink)
             self._look(sink)
-        except Exception as error:  # of others: it may raise anything
+        except PLUGIN_RAISES as error:  # of others: it may raise anything
             self._fail(_in_words(error))
 
     def _look(self, sink: AudioSink) -> None:
@@ -154,7 +154,7 @@ class DirectRunner:
 def _lost_by(sink: AudioSink | None) -> int:
     try:
         return 0 if sink is None else sink.lost
-    except Exception:  # of others: it may raise anything, and what it has lost is the least of it
+    except PLUGIN_RAISES:  # of others: it may raise anything, and what it has lost is the least of it
         return 0
 
 
@@ -230,7 +230,7 @@ class ThreadedRunner:
         self._direct.close()
 
 
-def _in_words(error: Exception) -> str:
+def _in_words(error: BaseException) -> str:
     if isinstance(error, RossError):
         return str(error)
     text = " ".join(str(error).split())[:120]

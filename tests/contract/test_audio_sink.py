@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import socket
+import sys
 import time
 from types import SimpleNamespace
 
@@ -101,6 +102,7 @@ def test_a_mistake_in_the_options_is_one_line(kind, options, said):
     [
         (lambda config, services: None, NO_SINK),
         (lambda config, services: 1 / 0, "open raised ZeroDivisionError: division by zero"),
+        (lambda config, services: sys.exit(0), "open raised SystemExit: 0"),
         (
             lambda config, services: SimpleNamespace(write=print),
             NO_SINK,

@@ -132,6 +132,42 @@ def test_a_back_end_that_raises_is_named(
     assert (code, "actuator 'raising': open raised KeyError('resolution')" in line) == (2, True), line
 
 
+LEAVING = RAISING.replace('KeyError("resolution")', "SystemExit(0)")
+LESS = """
+from ross_payload.actuators.driver_shell import capabilities_of
+from ross_payload.config import Table
+class Less:
+    command = state = home = release = poll = __enter__ = __exit__ = print
+    {more}
+class backend:
+    {config}
+    def open(*_):
+        return Less()
+"""
+TABLE = "class Config(Table): pass"
+BROKEN = {
+    "leaving": (LEAVING, "actuator 'leaving': open raised SystemExit(0)"),
+    "stopless": (
+        LESS.format(config=TABLE, more="capabilities = 1"),
+        "got Less without stop, capab",
+    ),
+    "optionless": (
+        LESS.format(config="Config = dict", more=""),
+        "expected a pydantic model as Config",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_a_back_end_that_cannot_be_stopped_or_ends_the_program_is_refused(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text, words = BROKEN[kind]
+    file = installed(kind, text, tmp_path, monkeypatch)
+    code, line = ross(monkeypatch, capsys, "config", "check", file)
+    assert (code, words in line) == (2, True), line
+
+
 def test_a_far_end_that_raises_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     config = load(installed("toppling", RAISING, tmp_path, monkeypatch))
     with pytest.raises(PluginError, match=r"^far end 'toppling': make raised KeyError\('friction'\)$"):

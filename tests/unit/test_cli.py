@@ -192,6 +192,13 @@ def test_an_interruption_stays_one_whatever_a_library_makes_of_it(run, monkeypat
     assert run("make") == (130, "", "ross: interrupted\n")
 
 
+def test_what_asks_python_to_exit_does_not_end_a_command_with_its_own_exit_code(run, monkeypatch):
+    """As a plug-in may: 0 would mean that the target was found."""
+    leaving = click.Command("leave", callback=lambda: sys.exit(0))
+    monkeypatch.setitem(cli.ross.commands, "leave", leaving)
+    assert run("leave") == (1, "", "ross: ended by a plug-in or a library, which asked Python to exit with 0\n")
+
+
 def test_a_signal_that_interrupted_nobody_is_heard_by_who_listens_for_signals(run, monkeypatch, own_handlers):
     """As one that comes while a weak reference's callback runs: Python ignores what that raises."""
     heard = []

@@ -104,12 +104,13 @@ def test_a_sink_that_cannot_be_opened_is_tried_again_and_the_log_says_so_once(si
     assert (runner.fault, runner.lost, len(sink.blocks)) == ("", 1000, 1)
 
 
-def test_a_sink_that_raises_is_closed_and_opened_again(sink):
+@pytest.mark.parametrize("error", [ZeroDivisionError("two\nlines"), SystemExit("two\nlines")])
+def test_a_sink_that_raises_is_closed_and_opened_again(sink, error):
     clock = FakeClock()
     runner = DirectRunner("stream 0", lambda: sink, clock)
-    sink.raises = ZeroDivisionError("two\nlines")
+    sink.raises = error
     runner.write(block())
-    assert runner.fault == "the sink raised ZeroDivisionError: two lines"
+    assert runner.fault == f"the sink raised {type(error).__name__}: two lines"
     assert (runner.lost, sink.left) == (100, 1)
     sink.raises = None
     clock.sleep(RETRY_S)

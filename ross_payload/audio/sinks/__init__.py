@@ -14,7 +14,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from ross_payload import plugins
 from ross_payload.config.table import Table, validated
-from ross_payload.errors import PluginError, RossError
+from ross_payload.errors import PLUGIN_RAISES, PluginError, RossError
 from ross_payload.interfaces import AudioSink, Clock
 
 GROUP = "ross_payload.sinks"
@@ -102,7 +102,7 @@ def make_sink(kind: str, config: Table, services: SinkServices) -> AudioSink:
         sink = load_sink(kind).open(config, services)
     except RossError:
         raise
-    except Exception as error:  # of others: it may raise anything
+    except PLUGIN_RAISES as error:  # of others: it may raise anything
         raise PluginError(f"sink '{kind}': open raised {type(error).__name__}: {error}") from error
     lacking = [name for name in SINK_METHODS if not callable(getattr(type(sink), name, None))]
     lacking += [name for name in SINK_VALUES if not hasattr(sink, name)]
