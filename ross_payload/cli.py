@@ -18,6 +18,7 @@ from ross_payload.errors import UNWRITABLE, ActuatorError, OutputError, PluginEr
 
 COMMANDS = "ross_payload.commands"
 LONGEST = 1500  # line about a mistake [characters]: a file may hold a name of a megabyte
+OF_UNIX = ("fcntl", "grp", "pty", "pwd", "resource", "termios", "tty")  # modules that Python lacks elsewhere
 STANDARD_ERROR = 2  # its descriptor
 EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by the user."
 
@@ -151,8 +152,8 @@ def main() -> None:
     except ModuleNotFoundError as error:
         _complain(_lacking(error))
         code = 2
-    except SystemExit as error:  # we raise none here, and its code would be taken for that of a mission
-        _complain(f"ended by a plug-in or a library, which asked Python to exit with {error.code!r}")
+    except (SystemExit, MemoryError) as error:
+        _complain(_why_ended(error))
         code = 1
     except BrokenPipeError:
         code = 1
@@ -177,11 +178,20 @@ def _occupy_closed_streams() -> None:
     sys.stderr = sys.stderr or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
 
 
+def _why_ended(error: SystemExit | MemoryError) -> str:
+    """Say what ended a command; we raise no SystemExit in one, and its code would be taken for that of a mission."""
+    if isinstance(error, MemoryError):
+        return f"out of memory: {error}".rstrip(": ")
+    return f"ended by a plug-in or a library, which asked Python to exit with {error.code!r}"
+
+
 def _lacking(error: ModuleNotFoundError) -> str:
-    """Say which extra brings a package that a command needs; raise the error again when none does."""
+    """Say which extra, or system, brings what a command needs; raise the error again when none does."""
     from ross_payload.plugins import EXTRA_OF, install_line
 
     package = (error.name or "").partition(".")[0]
+    if package in OF_UNIX:
+        return f"this command needs Linux: Python has no module {package} on {sys.platform}"
     if package not in EXTRA_OF:
         raise error
     return f"this command needs the package {package}: {install_line(EXTRA_OF[package])}"

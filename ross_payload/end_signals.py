@@ -8,8 +8,9 @@ from types import FrameType
 
 def end_signals() -> tuple[signal.Signals, ...]:
     """Return Ctrl-C, SIGTERM and, unless it is ignored as under nohup, SIGHUP: the terminal has gone."""
-    hang_up = () if signal.getsignal(signal.SIGHUP) is signal.SIG_IGN else (signal.SIGHUP,)
-    return signal.SIGINT, signal.SIGTERM, *hang_up
+    hang_up = getattr(signal, "SIGHUP", None)  # not on every system
+    heard = hang_up is not None and signal.getsignal(hang_up) is not signal.SIG_IGN
+    return signal.SIGINT, signal.SIGTERM, *((hang_up,) if heard else ())
 
 
 class Interrupter:

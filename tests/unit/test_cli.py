@@ -1,6 +1,7 @@
 import errno
 import io
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -136,6 +137,25 @@ def test_a_command_without_its_extra_says_what_to_install(tmp_path):
     assert not any(tmp_path.iterdir())
 
 
+ELSEWHERE = """
+import signal, sys
+sys.modules |= dict.fromkeys(["fcntl", "grp", "pwd", "resource", "termios", "tty"])
+del signal.SIGHUP
+from ross_payload import cli
+sys.argv = ["ross", *sys.argv[1:]]
+cli.main()
+"""
+
+
+@pytest.mark.parametrize(("arguments", "code"), [(["--help"], 0), (["sitl", "--list"], 2), (["run", "x.toml"], 2)])
+def test_a_system_that_is_not_unix_gets_the_help_or_one_line(arguments, code):
+    command = [sys.executable, "-c", ELSEWHERE, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == code, done.stderr
+    needs = r"ross: this command needs Linux: Python has no module \w+ on linux\n"
+    assert re.fullmatch(needs if code else "", done.stderr), done.stderr
+
+
 @pytest.mark.parametrize("arguments", [(), ("config",)])
 def test_a_command_that_is_missing_is_answered_with_the_help(run, arguments):
     code, out, err = run(*arguments)
@@ -197,6 +217,15 @@ def test_what_asks_python_to_exit_does_not_end_a_command_with_its_own_exit_code(
     leaving = click.Command("leave", callback=lambda: sys.exit(0))
     monkeypatch.setitem(cli.ross.commands, "leave", leaving)
     assert run("leave") == (1, "", "ross: ended by a plug-in or a library, which asked Python to exit with 0\n")
+
+
+@pytest.mark.parametrize(("said", "told"), [("Unable to allocate 4 MiB", ": Unable to allocate 4 MiB"), ("", "")])
+def test_too_little_memory_is_one_line(run, monkeypatch, said, told):
+    def grow():
+        raise MemoryError(said)
+
+    monkeypatch.setitem(cli.ross.commands, "grow", click.Command("grow", callback=grow))
+    assert run("grow") == (1, "", f"ross: out of memory{told}\n")
 
 
 def test_a_signal_that_interrupted_nobody_is_heard_by_who_listens_for_signals(run, monkeypatch, own_handlers):
