@@ -170,6 +170,16 @@ def test_what_a_payload_says_that_ends_by_itself_is_told(tmp_path, environment, 
     assert flown.stderr.splitlines() == ["the payload ended by itself, with exit code 2; its log says:", "says this"]
 
 
+def test_a_payload_that_somebody_else_has_killed_was_not_too_slow(tmp_path, environment, noted):
+    """As a computer that runs out of memory does."""
+    (tmp_path / "ross").write_text("#!/bin/sh\necho says this\nkill -KILL $$\n")
+    program = tmp_path / "program.py"
+    program.write_text(WAITING)
+    flown = fly(tmp_path, environment, "demo", program)
+    assert flown.returncode == 1
+    assert flown.stderr.splitlines() == ["the payload ended by itself, with exit code 137; its log says:", "says this"]
+
+
 def test_a_payload_that_the_script_ends_while_it_starts_has_not_ended_by_itself(tmp_path, environment):
     """A program that fails at once: the payload has no handler for SIGTERM yet."""
     (tmp_path / "ross").write_text("#!/bin/sh\nexec sleep 60\n")

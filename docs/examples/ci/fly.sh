@@ -24,15 +24,17 @@ with_us='setpriv --pdeathsig TERM'  # ends with this shell also where that is ki
 $with_us true 2> /dev/null || with_us=''
 $with_us "$ross" sitl --serve --scenario "$scenario" --speed "${SPEED:-4}" --seed "${SEED:-0}" \
   --telemetry "udpout:127.0.0.1:$port" --out "$out" > "$out/payload.log" 2>&1 &
-payload=$! flying='' killer='' ended=0
+payload=$! flying='' killer='' ended=0 lived=''
 finish() {
+  kill -0 "$payload" 2> /dev/null && lived=yes  # else it has ended by itself, or somebody else has killed it
   kill -TERM $flying "$payload" 2> /dev/null || true
   [ -z "$killer" ] || kill "$killer" 2> /dev/null || true
-  # one whose plug-in never returns does not end
-  (sleep "${GRACE:-30}" && kill -KILL $flying "$payload") > /dev/null 2>&1 &
-  killer=$!
+  if [ -n "$lived$flying" ]; then  # one whose plug-in never returns does not end
+    (sleep "${GRACE:-30}" && kill -KILL $flying "$payload") > /dev/null 2>&1 &
+    killer=$!
+  fi
   wait $flying "$payload" 2> /dev/null || ended=$?  # of the last one; the shell says "Terminated" there
-  kill "$killer" 2> /dev/null || true
+  [ -z "$killer" ] || kill "$killer" 2> /dev/null || true
 }
 trap 'finish; exit 130' HUP INT TERM
 
@@ -42,7 +44,7 @@ flying=$!
 wait "$flying" || status=$?  # a signal ends this at once, and would not end a program in the foreground
 flying=''
 finish
-if [ "$ended" -eq 137 ]; then
+if [ "$ended" -eq 137 ] && [ -n "$lived" ]; then
   echo "the payload did not end within ${GRACE:-30} s and was killed" >&2
   [ "$status" -ne 0 ] || status=1
 elif [ "$ended" -ne 0 ] && [ "$ended" -ne 130 ] && [ "$ended" -ne 143 ]; then  # 143: SIGTERM came while it started
