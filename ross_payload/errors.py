@@ -23,10 +23,7 @@ from contextlib import contextmanager
 from difflib import get_close_matches
 
 SHOWN = 80  # characters of a value in a message
-PLUGIN_RAISES = (
-    Exception,
-    SystemExit,
-)  # what code of others may raise; none of it ends the program, or keeps a stop from it
+PLUGIN_RAISES = (Exception, SystemExit)  # by code of others: neither ends the program, nor keeps a stop from it
 UNWRITABLE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EFBIG)  # what a disk says that takes no more
 
 
