@@ -153,7 +153,7 @@ def main() -> None:
         _complain(_lacking(error))
         code = 2
     except (SystemExit, MemoryError) as error:
-        _complain(_why_ended(error))
+        _complain_of_end(error)
         code = 1
     except BrokenPipeError:
         code = 1
@@ -178,11 +178,12 @@ def _occupy_closed_streams() -> None:
     sys.stderr = sys.stderr or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
 
 
-def _why_ended(error: SystemExit | MemoryError) -> str:
+def _complain_of_end(error: SystemExit | MemoryError) -> None:
     """Say what ended a command; we raise no SystemExit in one, and its code would be taken for that of a mission."""
     if isinstance(error, MemoryError):
-        return f"out of memory: {error}".rstrip(": ")
-    return f"ended by a plug-in or a library, which asked Python to exit with {error.code!r}"
+        _complain(f"out of memory: {error}".rstrip(": "))
+    elif not isinstance(error.__context__, BrokenPipeError):  # of which click and rich make one
+        _complain(f"ended by a plug-in or a library, which asked Python to exit with {error.code!r}")
 
 
 def _lacking(error: ModuleNotFoundError) -> str:
