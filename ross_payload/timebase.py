@@ -58,9 +58,9 @@ class Timebase:
 
     After the UNIX time was set back they go on at nine tenths of real time until they agree with it again.
 
-    Everything but `usec`, `utc` and `unix` belongs to the pump. Requests of TIMESYNC to us, or to everybody, are
-    answered, whoever asks; every heartbeat of the autopilot (1 Hz) is answered with a request of our own, to it alone:
-    an answer of anybody else would reach the autopilot, which may take it for one to itself.
+    Everything but `usec`, `utc`, `sure_utc` and `unix` belongs to the pump. Requests of TIMESYNC to us, or to
+    everybody, are answered, whoever asks; every heartbeat of the autopilot (1 Hz) is answered with a request of our
+    own, to it alone: an answer of anybody else would reach the autopilot, which may take it for one to itself.
 
     Parameters
     ----------
@@ -117,8 +117,13 @@ class Timebase:
     def utc(self) -> datetime | None:
         """Return the time of day; None while no clock can be trusted. It is set back at once, unlike `usec`."""
         with self._lock:
-            epoch = self._since_1970()
-            return None if epoch is None else datetime.fromtimestamp(self._clock.now() + epoch, UTC)
+            return self._utc()
+
+    def sure_utc(self) -> datetime | None:
+        """Return the time of day; None also while the date has `leapt`, be it by this very look at a clock."""
+        with self._lock:
+            now = self._utc()
+            return None if self.leapt else now
 
     @property
     def leapt(self) -> bool:
@@ -211,6 +216,10 @@ class Timebase:
             log.warning("the date has leapt ahead by %.0f days: nothing recorded is taken for old by it", days)
         elif now - self._leapt > FAR_S:
             self._earliest, self._leapt = epoch, None
+
+    def _utc(self) -> datetime | None:
+        epoch = self._since_1970()
+        return None if epoch is None else datetime.fromtimestamp(self._clock.now() + epoch, UTC)
 
     def _since_1970(self) -> float | None:
         """Return the UNIX time at 0 of our clock [s]; that of the system goes on while our clock is suspended."""

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from functools import partial
+from datetime import datetime
 
 import numpy as np
 
@@ -141,13 +141,13 @@ def _parts(
             late=watchdog.late,
             restart=again.set,
             ended=lambda: not again.is_set(),
-            stamp=partial(_stamp, timebase),
-            today=lambda: "" if timebase.leapt else _stamp(timebase),
+            stamp=lambda: _stamp(timebase.utc()),
+            today=lambda: _stamp(timebase.sure_utc()),
         )
 
 
-def _stamp(timebase: Timebase) -> str:
-    return f"{now:{STAMP}}" if (now := timebase.utc()) is not None else ""
+def _stamp(now: datetime | None) -> str:
+    return "" if now is None else f"{now:{STAMP}}"
 
 
 def _enrolled(config: Config) -> VoicePrint | None:

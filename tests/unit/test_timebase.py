@@ -203,6 +203,17 @@ def test_a_date_ahead_of_a_synchronised_clock_has_leapt(bench):
     assert timebase.leapt
 
 
+def test_the_first_look_at_a_date_that_has_leapt_does_not_take_it_for_sure():
+    """By this very look recordings would be deleted."""
+    clock, ahead = SimClock(), [UNIX]
+    timebase = Timebase(clock, lambda: clock.now() + ahead[0])
+    assert timebase.sure_utc() == timebase.utc() is not None
+    ahead[0] += 1e8
+    clock.sleep(60.0)
+    assert timebase.sure_utc() is None
+    assert timebase.utc() is not None
+
+
 def test_a_small_difference_is_worked_off_and_not_jumped(bench):
     _, voice, timebase = bench
     voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=UNIX))))
