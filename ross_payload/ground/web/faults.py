@@ -27,9 +27,11 @@ def write_line(text: str) -> None:
 
 
 def show(text: str) -> None:
-    """Write to the terminal, if it takes something: one that is held, by Ctrl-S for one, must not hold up the page."""
-    if _takes_something():
-        print(text, end="", file=sys.stderr, flush=True)  # noqa: T201
+    """Write to the terminal what it takes: one that is held, by Ctrl-S for one, must not hold up the page."""
+    for line in text.splitlines(keepends=True):  # it may take a line, and not all of a traceback
+        if not _takes_something():
+            return
+        print(line, end="", file=sys.stderr, flush=True)  # noqa: T201
 
 
 def _takes_something() -> bool:
