@@ -54,10 +54,10 @@ def environment(tmp_path):
     return os.environ | {"ROSS": str(command), "PYTHON": sys.executable, "SPEED": "4", "OUT": "flight"}
 
 
-def fly(folder, environment, *arguments):
+def fly(folder, environment, *arguments, given=None):
     command = ["sh", CI / "fly.sh", *arguments]
     return subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=250, check=False
+        command, cwd=folder, env=environment, input=given, capture_output=True, text=True, timeout=250, check=False
     )
 
 
@@ -168,6 +168,13 @@ def test_what_a_payload_says_that_ends_by_itself_is_told(tmp_path, environment, 
     flown = fly(tmp_path, environment, "nowhere", program)
     assert flown.returncode == 1
     assert flown.stderr.splitlines() == ["the payload ended by itself, with exit code 2; its log says:", "says this"]
+
+
+def test_a_program_reads_the_standard_input_of_the_script(tmp_path, environment):
+    (tmp_path / "ross").write_text("#!/bin/sh\nexec sleep 60\n")
+    (tmp_path / "program.py").write_text("print(input())")
+    flown = fly(tmp_path, environment, "demo", tmp_path / "program.py", given="these words\n")
+    assert (flown.returncode, flown.stdout, flown.stderr) == (0, "these words\n", "")
 
 
 def test_a_payload_that_somebody_else_has_killed_was_not_too_slow(tmp_path, environment, noted):

@@ -39,8 +39,10 @@ finish() {
 trap 'finish; exit 130' HUP INT TERM
 
 status=0
-$with_us "$python" "$program" "udpin:127.0.0.1:$port" "$scenario" "$@" <&0 &
+exec 3<&0  # some shells, dash for one, give what they start with & an empty standard input
+$with_us "$python" "$program" "udpin:127.0.0.1:$port" "$scenario" "$@" <&3 3<&- &
 flying=$!
+exec 3<&-
 wait "$flying" || status=$?  # a signal ends this at once, and would not end a program in the foreground
 flying=''
 finish
