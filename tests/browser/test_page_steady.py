@@ -35,6 +35,7 @@ PRESS = """(names) => {
   watch.observe(document.body, { childList: true, subtree: true });
   press();
 }"""
+TOP = "() => document.querySelector('.commands').getBoundingClientRect().top"
 HOURS = 23 * 3600 + 59 * 60
 LONG = "both channels carry the same microphone: check the channel map; samples were lost: the USB port is overloaded"
 
@@ -165,3 +166,32 @@ def test_a_press_right_after_the_page_has_jumped_turns_nothing(crew, window):
     told.page.wait_for_timeout(600)
     told.page.evaluate(PRESS, ["Park"])
     assert told.sent("park") == 1
+
+
+def test_a_press_is_meant_where_the_browser_has_held_the_page_still(crew, window):
+    """It scrolls along with what grows above the window: nothing has moved under the finger."""
+    told = MadeTelemetry(window, crew.url, 390, 844)
+    told.tell()
+    told.page.evaluate("() => document.querySelector('.commands').scrollIntoView()")
+    told.page.wait_for_timeout(600)
+    before = told.page.evaluate(TOP)
+    told.tell({"standing": {"boots": 2}})
+    assert told.page.evaluate(TOP) == pytest.approx(before, abs=1.0)
+    told.page.evaluate(PRESS, ["Park"])
+    assert told.sent("park") == 1
+
+
+def test_a_press_right_after_a_page_that_was_at_its_end_has_become_shorter_turns_nothing(crew, window):
+    """Then the browser scrolls back, by the height of the notices that have gone."""
+    told = MadeTelemetry(window, crew.url, 1280, 800)
+    told.tell()
+    height = told.page.evaluate("() => document.documentElement.scrollHeight")
+    told.page.set_viewport_size({"width": 1280, "height": height - 30})
+    told.tell({"standing": {"boots": 2}}, age=65)
+    told.page.evaluate("() => scrollTo(0, document.documentElement.scrollHeight)")
+    told.page.wait_for_timeout(600)
+    before = told.page.evaluate(TOP)
+    told.tell({"standing": {"boots": 2}})
+    assert told.page.evaluate(TOP) > before + 20
+    told.page.evaluate(PRESS, ["Park"])
+    assert told.sent("park") == 0

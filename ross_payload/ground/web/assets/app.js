@@ -13,7 +13,7 @@ import { chosenHeading } from "./parts/chosen-heading.js";
 import { joined } from "./parts/comparison.js";
 import { answered } from "./parts/playback.js";
 import { routeOf, titleOf } from "./route.js";
-import { isHasty, noteMoves } from "./steadiness.js";
+import { isHasty, watchingMoves } from "./steadiness.js";
 import { SAID_AGAIN, doubted, followed, noted, rearmed, unstopped } from "./stop.js";
 import { applyTheme, readTheme } from "./theme.js";
 import { fleetView } from "./views/fleet.js";
@@ -227,7 +227,7 @@ class Page {
     this.due = true;
     requestAnimationFrame(() => {
       this.due = false;
-      this.paint();
+      watchingMoves(() => this.paint());
     });
   }
 
@@ -246,7 +246,6 @@ class Page {
     this.flightSound.follow(this);
     this.spectrogram.follow(document.querySelector(".spectrogram"), this.listening.playout?.spectrum ?? null);
     this.fitMap();
-    noteMoves();
     this.measure();
   }
 

@@ -5,20 +5,38 @@ const LEAST = 8; // [px] by which a press can miss
 const SETTLED = 500; // [ms] after which a hand has seen that it moved
 const TURNS = new Set(["explore", "listen", "turn", "park", "home", "enrol"]);
 
-let size = ""; // of the window: who turns a phone or opens its keyboard sees what that moves
-let places = new Map(); // of what turns a payload, in the page [px], by their elements
+let before = new Map(); // of what turns a payload, in the window [px], by their elements, as the latest drawing began
 let moved = -Infinity; // when they last moved, `performance.now()` [ms]
 
-/** Look where everything is, after every drawing. */
-export function noteMoves() {
-  const now = new Map([...document.querySelectorAll(WHAT)].map((each) => [each, topOf(each)]));
-  const sizeNow = `${innerWidth} ${innerHeight}`;
-  const away = [...now].some(([each, top]) => Math.abs(top - (places.get(each) ?? top)) >= LEAST);
-  if (away && sizeNow === size) moved = performance.now();
-  [places, size] = [now, sizeNow];
+/** Draw, and look what that moves. What the user moves, by scrolling for one, has moved before a drawing begins. */
+export function watchingMoves(draw) {
+  noteMoves();
+  before = edges();
+  draw();
+  setTimeout(noteMoves); // once the browser has scrolled along with what has grown above, or shrunk below
+}
+
+function noteMoves() {
+  const now = edges();
+  const isAway = ([each, [top, bottom]]) => {
+    const [topNow, bottomNow] = now.get(each) ?? [top, bottom];
+    const isSeen = (bottom > 0 && top < innerHeight) || (bottomNow > 0 && topNow < innerHeight);
+    return isSeen && Math.abs(topNow - top) >= LEAST;
+  };
+  if ([...before].some(isAway)) moved = performance.now();
+  before = new Map();
 }
 
 /** Whether an order would turn a payload, and was pressed so soon that it may be meant for something else. */
-export const isHasty = ({ kind }) => TURNS.has(kind) && performance.now() - moved < SETTLED;
+export function isHasty({ kind }) {
+  noteMoves();
+  return TURNS.has(kind) && performance.now() - moved < SETTLED;
+}
 
-const topOf = (element) => element.getBoundingClientRect().top + scrollY;
+const edges = () =>
+  new Map(
+    [...document.querySelectorAll(WHAT)].map((each) => {
+      const { top, bottom } = each.getBoundingClientRect();
+      return [each, [top, bottom]];
+    }),
+  );
