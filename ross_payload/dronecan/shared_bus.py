@@ -139,7 +139,7 @@ class Bus:
         coming, self._coming = self._coming, None
         try:
             return coming.result()
-        except RossError as error:
+        except (RossError, OSError) as error:
             self._retry_at = self._clock.now() + self._backoff.wait()
             raise LinkError(self._down) from error  # the first cause, not a new one every time
 

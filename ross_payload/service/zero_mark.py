@@ -82,6 +82,8 @@ class ZeroMark:
             wait([self._work], LAST_WRITE_S)
 
     def _keep(self, *, away: bool) -> None:
+        if self._work is not None and self._work.done() and self._work.exception() is not None:
+            self._there, self._work = not self._there, None  # no thread was left: nothing has been written
         if away is not self._there and (self._work is None or self._work.done()):
             self._there, self._work = away, begin(partial(self._write, away=away))
 

@@ -6,6 +6,7 @@ threads leave in a queue is taken out by whoever polls it.
 
 from __future__ import annotations
 
+import errno
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
@@ -21,7 +22,10 @@ T = TypeVar("T")
 
 
 def begin(work: Callable[[], T]) -> Future[T]:
-    """Do something once on a thread that dies with the process; return where its result will be."""
+    """Do something once on a thread that dies with the process; return where its result will be.
+
+    An `OSError` is there when the system has no thread left.
+    """
     future: Future[T] = Future()
 
     def run() -> None:
@@ -30,7 +34,10 @@ def begin(work: Callable[[], T]) -> Future[T]:
         except Exception as error:
             future.set_exception(error)
 
-    threading.Thread(target=run, daemon=True, name="links").start()
+    try:
+        threading.Thread(target=run, daemon=True, name="links").start()
+    except RuntimeError as error:  # who polls goes on, and asks again
+        future.set_exception(OSError(errno.EAGAIN, str(error)))
     return future
 
 

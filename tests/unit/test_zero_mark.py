@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -50,3 +51,17 @@ def test_an_orderly_end_leaves_the_zero_to_who_starts_again(tmp_path: Path) -> N
     at(rig, mark, 1.0)
     mark.forget()
     assert marked(tmp_path, "tb6600")[0].state.homed
+
+
+def test_a_mark_that_found_no_thread_is_written_with_the_next_look(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(thread: threading.Thread) -> None:
+        raise RuntimeError("can't start new thread")
+
+    rig, mark = marked(tmp_path, "tb6600")
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Thread, "start", refused)
+        at(rig, mark, 1.0)
+    mark.on_input(HOP)
+    wait_for((tmp_path / "away").exists)

@@ -60,6 +60,19 @@ def test_memory_heat_uptime_and_disk_are_read(machine):
     assert 0 < found.disk_used < found.disk_total, "of the nearest folder that is there"
 
 
+def test_a_system_without_a_thread_left_leaves_the_disk_untold_and_the_pump_alive(machine, monkeypatch):
+    """As in a container with a limit of processes: what the pump calls must not raise."""
+
+    def refused(thread):
+        raise RuntimeError("can't start new thread")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Thread, "start", refused)
+        found = [machine.read() for _ in range(3)]
+    assert {(each.disk_total, each.memory_total) for each in found} == {(None, 4000 * 1024)}
+    waiting.wait_for(lambda: machine.read().disk_total)
+
+
 def test_nobody_waits_for_a_disk_that_does_not_answer(machine, monkeypatch):
     """As a network share that is gone: the pump asks, which no stop could pass meanwhile."""
     answers, asked, statvfs = threading.Event(), [], os.statvfs
