@@ -161,9 +161,13 @@ def _why(error: Exception) -> str:
 
     >>> _why(can.CanOperationError("Failed to receive: reset  Traceback (most recent call last):\n  File..."))
     'Failed to receive: reset'
+    >>> _why(can.CanTimeoutError())
+    'CanTimeoutError'
     """
     cause = error.__cause__ if isinstance(error, can.CanError) else error
-    return reason(cause) if isinstance(cause, OSError) else str(error).partition("Traceback (")[0].strip()
+    if isinstance(cause, OSError):
+        return reason(cause)
+    return " ".join(str(error).partition("Traceback (")[0].split()) or type(error).__name__
 
 
 wire = CanWire()
