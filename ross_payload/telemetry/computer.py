@@ -60,17 +60,21 @@ class ComputerReader:
         return [heat for heat in heats if COLDEST <= heat <= HOTTEST]
 
     def _disk(self) -> tuple[float | None, float | None]:
-        if self._asked is None:
-            self._asked = begin(lambda: os.statvfs(nearest_there(self._folder)))
-            wait([self._asked], DISK_TIMEOUT_S)
-        if not self._asked.done():
+        late = self._asked is not None
+        asked = self._asked = self._asked or self._ask()
+        if not late:
+            wait([asked], DISK_TIMEOUT_S)
+        if not asked.done():
             return None, None
-        asked, self._asked = self._asked, None
+        self._asked = self._ask() if late else None  # of a slow disk every look tells what the one before has asked
         try:
             disk = asked.result()
         except OSError:
             return None, None
         return float((disk.f_blocks - disk.f_bfree) * disk.f_frsize), float(disk.f_blocks * disk.f_frsize)
+
+    def _ask(self) -> Future[os.statvfs_result]:
+        return begin(lambda: os.statvfs(nearest_there(self._folder)))
 
 
 def _ticks(stat: str) -> Ticks:

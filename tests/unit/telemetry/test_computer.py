@@ -2,6 +2,7 @@
 
 import os
 import threading
+import time
 
 import pytest
 
@@ -58,6 +59,21 @@ def test_memory_heat_uptime_and_disk_are_read(machine):
     assert found.temperature == 67.5, "the hottest zone that means anything"
     assert found.uptime == 350.52
     assert 0 < found.disk_used < found.disk_total, "of the nearest folder that is there"
+
+
+def test_a_slow_disk_is_told_by_every_look_after_the_first(machine, monkeypatch):
+    statvfs = os.statvfs
+
+    def slow(folder):
+        time.sleep(0.1)
+        return statvfs(folder)
+
+    monkeypatch.setattr(os, "statvfs", slow)
+    told = []
+    for _ in range(4):
+        told.append(machine.read().disk_total is not None)
+        time.sleep(0.5)
+    assert told == [False, True, True, True]
 
 
 def test_a_system_without_a_thread_left_leaves_the_disk_untold_and_the_pump_alive(machine, monkeypatch):
