@@ -36,6 +36,10 @@ PRESS = """(names) => {
   press();
 }"""
 TOP = "() => document.querySelector('.commands').getBoundingClientRect().top"
+ROOM = """() => {
+  const [bar, notices] = [".pinned", ".banners"].map((each) => document.querySelector(each).getBoundingClientRect());
+  return notices.top - bar.bottom;
+}"""
 HOURS = 23 * 3600 + 59 * 60
 LONG = "both channels carry the same microphone: check the channel map; samples were lost: the USB port is overloaded"
 
@@ -153,6 +157,18 @@ def test_what_gets_the_focus_does_not_lie_below_a_notice(crew, window):
         told.page.keyboard.press("Tab")
         below.append(told.page.evaluate(BELOW))
     assert set(below) == {None}
+
+
+@pytest.mark.parametrize(("width", "height", "letters"), [(360, 740, 200), (320, 640, 200), (390, 400, 100)])
+def test_notices_leave_room_for_the_page_between_them_and_the_bar(crew, window, width, height, letters):
+    """Else nothing can be pressed but the stop for as long as telemetry stays away."""
+    told = MadeTelemetry(window, crew.url, width, height)
+    told.page.evaluate("size => { document.documentElement.style.fontSize = size; }", f"{letters}%")
+    told.tell(
+        {"health": {"microphones": {"level": "act", "words": LONG}}}, age=65, refused={"what": "x", "reason": LONG}
+    )
+    told.page.evaluate("() => document.querySelector('.commands').scrollIntoView()")
+    assert told.page.evaluate(ROOM) > 100
 
 
 def test_a_press_right_after_the_page_has_jumped_turns_nothing(crew, window):
