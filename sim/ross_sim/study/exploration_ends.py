@@ -22,8 +22,8 @@ FOUND_DEG = 15.0  # a source that is farther from every talker has no error: it 
 
 
 @dataclass(frozen=True, slots=True)
-class EndRow:
-    """What is believed where a schedule of an exploration ends."""
+class End:
+    """Where a schedule of an exploration ends."""
 
     setting: str
     k: int
@@ -36,6 +36,12 @@ class EndRow:
     turning_deg_s: float  # 0: step by step
     schedule: str  # a number of rotations, or stop
     rotations: int
+
+
+@dataclass(frozen=True, slots=True)
+class EndRow(End):
+    """What is believed there."""
+
     errors_deg: tuple[float, ...]  # of every talker's own estimate; 180 for a talker without one
     confidences: tuple[float, ...]  # of every source
     there: tuple[bool, ...]  # whether a talker of its own is near
@@ -59,20 +65,9 @@ class EndRow:
 
 
 @dataclass(frozen=True, slots=True)
-class SigmaRow:
-    """What is believed of the azimuths where a schedule of an exploration ends, of every talker who was found."""
+class SigmaRow(End):
+    """What is believed there of the azimuths of every talker who was found."""
 
-    setting: str
-    k: int
-    layout: int
-    seed: int
-    version: str
-    start: int
-    explorer: str
-    unit_s: float
-    turning_deg_s: float  # 0: step by step
-    schedule: str  # a number of rotations, or stop
-    rotations: int
     directness: float | None
     errors_deg: tuple[float, ...]
     sigmas_deg: tuple[float, ...]
