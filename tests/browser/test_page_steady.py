@@ -35,6 +35,12 @@ PRESS = """(names) => {
   watch.observe(document.body, { childList: true, subtree: true });
   press();
 }"""
+SCROLLED = """async (by) => {
+  const { isHasty, watchingMoves } = await import("/assets/steadiness.js");
+  watchingMoves(() => {});
+  scrollBy(0, by);
+  return [scrollY, isHasty({ kind: "turn" })];
+}"""
 TOP = "() => document.querySelector('.commands').getBoundingClientRect().top"
 ROOM = """() => {
   const [bar, notices] = [".pinned", ".banners"].map((each) => document.querySelector(each).getBoundingClientRect());
@@ -195,6 +201,14 @@ def test_a_press_is_meant_where_the_browser_has_held_the_page_still(crew, window
     assert told.page.evaluate(TOP) == pytest.approx(before, abs=1.0)
     told.page.evaluate(PRESS, ["Park"])
     assert told.sent("park") == 1
+
+
+def test_a_press_is_meant_after_the_user_has_scrolled_while_the_page_was_drawn(crew, window):
+    """On a slow computer a drawing takes long: what is scrolled meanwhile has not moved by itself."""
+    told = MadeTelemetry(window, crew.url, 390, 844)
+    told.tell()
+    told.page.wait_for_timeout(600)
+    assert told.page.evaluate(SCROLLED, 700) == [700, False]
 
 
 def test_a_press_right_after_a_page_that_was_at_its_end_has_become_shorter_turns_nothing(crew, window):
