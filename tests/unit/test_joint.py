@@ -329,6 +329,8 @@ def test_in_a_room_an_azimuth_may_be_farther_off_than_its_delays_tell() -> None:
         assert source.nominal_sigma is not None
         assert source.sigma == pytest.approx(overdispersion(wet.directness) * source.nominal_sigma)
     assert [source.sigma for source in dry.sources] == [source.nominal_sigma for source in dry.sources]
+    sharp = Stop(1e-9, 1.0, 1.0, 1.01 * max(source.nominal for source in wet.sources), 1, 0.0)
+    assert replace(joint, enough=sharp).estimate(heard).certain  # reverberation is no reason to listen on
 
 
 @pytest.mark.parametrize(("spacing", "speed"), [(0.0, 343.0), (-0.05, 343.0), (0.05, 0.0), (np.nan, 343.0)])

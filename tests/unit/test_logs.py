@@ -127,6 +127,16 @@ def test_lines_that_a_slow_reader_loses_are_counted(unread):
     assert len(re.findall("line \\d+: x", written)) + sum(lost) == 5000
 
 
+@pytest.mark.timeout(60)
+def test_what_a_late_reader_has_not_taken_by_the_end_is_not_written(unread):
+    stream, reader = unread
+    with logging_to(stream, "info", "text", {}):
+        for number in range(1000):
+            LOG.info("line %d: %s", number, "x" * 200)
+    stream.close()
+    assert 0 < reader.readall().count(b"\n") < 500  # what a pipe holds
+
+
 def test_lines_for_a_reader_who_has_gone_end_nothing(unread, capfd):
     stream, reader = unread
     reader.close()

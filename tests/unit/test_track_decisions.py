@@ -31,6 +31,13 @@ def tracker_of(*degrees, now=None, sigma=0.01):
     return tracker
 
 
+def test_the_sigma_of_a_track_has_no_nominal_one_of_the_exploration():
+    explored = estimate(30, 120)
+    wide = replace(explored, sources=tuple(replace(each, nominal_sigma=1e-3) for each in explored.sources))
+    tracker = SourceTracker(wide, 0, Stft(16000, 1024, 256), SPACING, SPEED, None, None)
+    assert [source.nominal for source in tracker.estimate.sources] == tracker.tracks.sigmas.tolist()
+
+
 def turn(tracker, *, joint=0.0, base=0.0, lower=-FAR, upper=FAR, time=10.0):
     """To which joint angle the array is to turn [deg], None: it stays."""
     here = Pointing(joint=math.radians(joint), base=math.radians(base))
