@@ -115,7 +115,7 @@ def own_folders(tmp_path_factory):
 @pytest.fixture(scope="session")
 def written(pytestconfig):
     """Write rows into a file of the folder ``--rows``, with those of the same name before; without it write nothing."""
-    from ross_sim.study.row_files import as_csv
+    from ross_sim.study.rows.row_files import as_csv
 
     target, known = pytestconfig.getoption("--rows"), {}
 

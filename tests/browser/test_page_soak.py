@@ -10,7 +10,7 @@ import pytest
 
 from browsing import eventually
 from fleet_bench import FleetBench
-from ross_sim.study.long_run_rows import PageRun
+from ross_sim.study.rows.long_run_rows import PageRun
 from served_ground import served
 
 PAYLOADS, RATE = 5, 10.0

@@ -19,7 +19,7 @@ from ross_payload.actuators.registry import GROUP, checked_options
 from ross_payload.config import Config, validated
 from ross_payload.config.parameter_store import Parameters
 from ross_sim.scenario import Scenario
-from ross_sim.study.study_design import Study
+from ross_sim.study.runs.study_design import Study
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 SHELL = [(block.page, command) for block in blocks("sh") for command in block.commands]

@@ -30,7 +30,7 @@ from ross_payload.pointing import Pointing
 from ross_payload.transport.rtp.receiver import RtpReceiver
 from ross_payload.transport.rtp.session_description import Media
 from ross_protocols.audio.pcm import Decoder
-from ross_sim.study.long_run_rows import ListeningMinute
+from ross_sim.study.rows.long_run_rows import ListeningMinute
 
 MINUTES = 60
 LOOP_S = 40  # after which the mixture begins again, not in step with the mission

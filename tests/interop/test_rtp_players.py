@@ -9,7 +9,7 @@ import pytest
 from lossy_network import voiced
 from ports import free_port
 from ross_payload.audio.sinks import info_of
-from ross_sim.study.rtp_rows import PlayerRow
+from ross_sim.study.rows.rtp_rows import PlayerRow
 from rtp_players import Player, delay_of, ffmpeg, found_in, gstreamer, in_use
 from voice_sender import RATE, opened, talking
 from waiting import wait_for

@@ -11,7 +11,7 @@ from ross_payload.audio.sinks.rtp_sender import RtpSender
 from ross_payload.interfaces import VoiceBlock
 from ross_payload.transport.rtp.receiver import RtpReceiver
 from ross_payload.transport.rtp.session_description import Media
-from ross_sim.study.rtp_rows import NetworkRow
+from ross_sim.study.rows.rtp_rows import NetworkRow
 from ross_sim.talkers.speech import load_folder
 
 RATE = 16000

@@ -18,8 +18,8 @@ from ross_payload.events import State, StateChanged
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.calibration_flight import turned_in
 from ross_sim.study import calibration_study
-from ross_sim.study.calibration_rows import CalibrationRow
-from ross_sim.study.row_files import read_rows
+from ross_sim.study.rows.calibration_rows import CalibrationRow
+from ross_sim.study.rows.row_files import read_rows
 from ross_sim.talkers.speech import TalkerVoice
 
 RATE, SPEED = 16000, 343.0

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from ross_sim.study.resting_rows import RestingRow, resting
 from ross_sim.study.resting_talkers import RATE, scene_of, tracked
+from ross_sim.study.rows.resting_rows import RestingRow, resting
 from ross_sim.talkers.synthetic_voices import voices_of
 
 

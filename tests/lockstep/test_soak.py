@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from ross_sim.study.mission_design import MissionStudy, MissionTask
-from ross_sim.study.mission_draw import fly
+from ross_sim.study.runs.mission_design import MissionStudy, MissionTask
+from ross_sim.study.runs.mission_draw import fly
 
 DRAWS = 20
 ROOMS = ("living-room", "office", "hall")

@@ -13,10 +13,10 @@ import pytest
 
 from examples import in_soak
 from mission_fixtures import without_figures
-from ross_sim.study.result_rows import decode
-from ross_sim.study.study_case import perform
-from ross_sim.study.study_design import chosen, tasks
-from ross_sim.study.talker_placement import Source
+from ross_sim.study.rows.result_rows import decode
+from ross_sim.study.runs.study_case import perform
+from ross_sim.study.runs.study_design import chosen, tasks
+from ross_sim.study.runs.talker_placement import Source
 from voice_folders import voice_folder
 
 pytestmark = pytest.mark.process
@@ -154,7 +154,7 @@ CUT_SHORT = """
 import os, signal, sys, time
 from concurrent.futures import process
 from contextlib import closing
-from ross_sim.study.task_engine import processes
+from ross_sim.study.runs.task_engine import processes
 
 WINDOW = float(sys.argv[1])  # [s] between the look whether the pipe is open and the writing, at the exit
 
@@ -195,7 +195,7 @@ STARTING = """
 import multiprocessing, os, signal, sys, time
 from contextlib import closing
 from pathlib import Path
-from ross_sim.study.task_engine import processes
+from ross_sim.study.runs.task_engine import processes
 
 HERE = Path(__file__).parent
 

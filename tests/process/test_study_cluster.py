@@ -13,7 +13,7 @@ import pytest
 
 from processes import ROSS
 from ross_payload.errors import ConfigError
-from ross_sim.study import dask_engine
+from ross_sim.study.runs import dask_engine
 from voice_folders import voice_folder
 from waiting import wait_for
 
@@ -31,19 +31,19 @@ rate_hz = 16000
 TASKS = 2 + 2 + 2
 ROWS = ("separations.csv", "explorations.csv", "gains.csv", "ends.csv", "sigmas.csv", "tables.md", "study.json")
 OTHER_CODE = """
-from ross_sim.study import study_store
+from ross_sim.study.runs import study_store
 study_store.code_hash = lambda code=None: "another"
 """
 NO_VOICES = """
 from ross_payload.errors import ConfigError
-from ross_sim.study import talker_placement
+from ross_sim.study.runs import talker_placement
 def none(folder, rate):
     raise ConfigError(f"{folder}: no such folder")
 talker_placement.read_voices = none
 """
 DEADLY = """
 import os
-from ross_sim.study import study_case
+from ross_sim.study.runs import study_case
 if study_case.perform.__module__ == study_case.__name__:  # it is loaded twice
     before = study_case.perform
     def perform(task, study, source):

@@ -14,7 +14,7 @@ import pytest
 
 from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.dialect import common
-from ross_sim.study.long_run_rows import PayloadRun
+from ross_sim.study.rows.long_run_rows import PayloadRun
 from waiting import wait_for
 
 LOOPBACK = "127.0.0.1"

@@ -6,7 +6,7 @@ The move is then lost, and says so. A busy loop takes a whole core with the prio
 import pytest
 
 from pulse_rig import HOME, REARM, SEPARATING, Rig, busy_loops, noise_file
-from ross_sim.study.promptness_rows import PulseRow
+from ross_sim.study.rows.promptness_rows import PulseRow
 
 pytestmark = pytest.mark.alone
 ACCEPTED = 0  # MAV_RESULT

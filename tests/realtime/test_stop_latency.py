@@ -22,7 +22,7 @@ from ross_payload.config import Config
 from ross_payload.errors import ActuatorFault
 from ross_payload.interfaces import Services
 from ross_sim.clock import SimClock
-from ross_sim.study.promptness_rows import StopRow
+from ross_sim.study.rows.promptness_rows import StopRow
 from waiting import wait_for
 
 pytestmark = pytest.mark.alone

@@ -35,7 +35,7 @@ def without_picture():
 def without_figures():
     """Draw no figures of a study in this process, where nobody looks at them: they take longer than a small study."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("ross_sim.study.study_run.draw", lambda *_: [])
+        patch.setattr("ross_sim.study.runs.study_run.draw", lambda *_: [])
         yield
 
 

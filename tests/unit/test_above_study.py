@@ -14,17 +14,17 @@ import soundfile
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real, Samples
-from ross_sim.study import above_scenes
-from ross_sim.study.above_rows import AboveRow, above
-from ross_sim.study.above_scenes import PIECE_S, STROLL_M, Walks, among, images_of, responses, walks_of
 from ross_sim.study.above_study import AboveDesign, conduct_above, rows
 from ross_sim.study.command import command
-from ross_sim.study.mixtures import LEAD_IN, RATE
-from ross_sim.study.noise_scenes import noise_of
 from ross_sim.study.page_tables import tables_of
-from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
-from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.row_manifest import manifest_of
+from ross_sim.study.rows.above_rows import AboveRow, above
+from ross_sim.study.rows.row_files import as_csv, read_rows
+from ross_sim.study.runs.row_manifest import manifest_of
+from ross_sim.study.scenes import above_scenes
+from ross_sim.study.scenes.above_scenes import PIECE_S, STROLL_M, Walks, among, images_of, responses, walks_of
+from ross_sim.study.scenes.mixtures import LEAD_IN, RATE
+from ross_sim.study.scenes.noise_scenes import noise_of
+from ross_sim.study.scenes.room_settings import SPACING, SPEED_OF_SOUND
 
 VOICES = [np.random.default_rng(n).standard_normal(4 * RATE).astype(np.float32) for n in range(3)]
 

@@ -13,7 +13,7 @@ from ross_payload.dsp.density import histogram, itd_grid, kde
 from ross_payload.localization.clusters import best_cuts, unwrapped
 from ross_payload.voiceprint import built_in_model
 from ross_payload.voiceprint.built_in import Background
-from ross_sim.study.voice_factors import discriminants, first_loadings, improved_loadings
+from ross_sim.study.training.voice_factors import discriminants, first_loadings, improved_loadings
 
 MOST = 6  # clusters
 

@@ -9,13 +9,13 @@ import pytest
 
 from ross_payload.alignment.plan import ENOUGH
 from ross_payload.alignment.predicted_gain import BETWEEN, ECHOES, REACH, predicted_gain
-from ross_sim.study.heading_rows import headings
-from ross_sim.study.mixtures import PAPER_DEG, aligned_heading
 from ross_sim.study.predicted_gain_study import RULES, Curve, curves, fit, row_of
-from ross_sim.study.room_settings import SETTINGS
-from ross_sim.study.study_case import perform
-from ross_sim.study.study_design import Task, chosen
-from ross_sim.study.talker_placement import Source
+from ross_sim.study.rows.heading_rows import headings
+from ross_sim.study.runs.study_case import perform
+from ross_sim.study.runs.study_design import Task, chosen
+from ross_sim.study.runs.talker_placement import Source
+from ross_sim.study.scenes.mixtures import PAPER_DEG, aligned_heading
+from ross_sim.study.scenes.room_settings import SETTINGS
 
 HEADINGS = np.deg2rad(np.arange(0.0, 180.0, 0.5))
 

@@ -23,9 +23,9 @@ from ross_payload.interfaces import Groups, Observation, Quality, Scene
 from ross_payload.orders import Explore, Seek
 from ross_payload.plugin_checks import CheckedLiveSeparator, CheckedSeparator, checked_explorer, load_separator
 from ross_payload.service.assemble import explorer_of
-from ross_sim.study.study_case import Failure, attempt
-from ross_sim.study.study_design import Task, chosen
-from ross_sim.study.talker_placement import Source
+from ross_sim.study.runs.study_case import Failure, attempt
+from ross_sim.study.runs.study_design import Task, chosen
+from ross_sim.study.runs.talker_placement import Source
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 from session_bench import Bench, make
 from short_mission import ALONE, SHORT

@@ -22,8 +22,8 @@ from ross_sim.study.benchmark import scene_list, score_estimates
 from ross_sim.study.benchmark.benchmark_rows import BenchmarkLocalization, BenchmarkSeparation
 from ross_sim.study.benchmark.recordings import RATE, Recording, described, found, sha256
 from ross_sim.study.benchmark.scene_list import FILES, ROOMS, RoomLine, drawn, read_list, write_list
-from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.row_manifest import held
+from ross_sim.study.rows.row_files import as_csv, read_rows
+from ross_sim.study.runs.row_manifest import held
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 TALKERS = Path(os.environ.get("ROSS_TALKERS", Path(__file__).parents[3] / "shared" / "talkers"))

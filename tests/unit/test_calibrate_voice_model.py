@@ -24,8 +24,8 @@ from ross_sim.study.calibrate_voice_model import (
     fitted,
     headings_for,
 )
-from ross_sim.study.mixtures import RATE, layouts, record
-from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
+from ross_sim.study.scenes.mixtures import RATE, layouts, record
+from ross_sim.study.scenes.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
 from ross_sim.study.voiceprint_study import best_heading
 from ross_sim.talkers.speech import TalkerVoice
 

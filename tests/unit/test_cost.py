@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ross_sim.study.cost_rows import BLIND, CostRow, costs, growth
+from ross_sim.study.rows.cost_rows import BLIND, CostRow, costs, growth
+from ross_sim.study.scenes.workload import SNR_DB, VOICE_RATE, Case, prepared
 from ross_sim.study.separation_cost import OURS, blind_auxiva, grown, peers
-from ross_sim.study.workload import SNR_DB, VOICE_RATE, Case, prepared
 
 TINY = Case(rate=16000, seconds=1.0)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ross_payload.events import Estimate, SourceEstimate
-from ross_sim.study.elevation_rows import ElevationRow, below
 from ross_sim.study.elevation_study import FIELDS, HOVER, MOUTH, ExploredField, row_of
+from ross_sim.study.rows.elevation_rows import ElevationRow, below
 
 AZIMUTHS = np.deg2rad([10.0, 120.0, -60.0])
 

@@ -15,8 +15,8 @@ from ross_payload.dsp.stft import Stft
 from ross_payload.evaluation.takes import Take, lag_of, paired, placed, read_take
 from ross_payload.separation.auto_separator import separator as auto
 from ross_payload.separation.local_gaussian_model import separator as gaussian
-from ross_sim.study.mixtures import FRAME, HOP, RATE, aligned_heading, record, scene_of
-from ross_sim.study.room_settings import SETTINGS
+from ross_sim.study.scenes.mixtures import FRAME, HOP, RATE, aligned_heading, record, scene_of
+from ross_sim.study.scenes.room_settings import SETTINGS
 
 pytestmark = pytest.mark.lockstep
 

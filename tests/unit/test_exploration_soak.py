@@ -12,10 +12,10 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from ross_payload.localization.joint import Joint, explorer
-from ross_sim.study.exploration import NEAR_DEG, RATE, explore, matched
-from ross_sim.study.mixtures import VOICES
-from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
-from ross_sim.study.talker_placement import Source, voices_of
+from ross_sim.study.runs.talker_placement import Source, voices_of
+from ross_sim.study.scenes.exploration import NEAR_DEG, RATE, explore, matched
+from ross_sim.study.scenes.mixtures import VOICES
+from ross_sim.study.scenes.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
 
 SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / "../shared/speech"))
 ROOMS = ("A0.3", "A0.45", "A0.7", "B0.3", "B0.45", "B0.7")

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import pytest
 
-from ross_sim.study.exploration_ends import EndRow, SigmaRow, end_rows, sigma_rows
-from ross_sim.study.exploration_tables import counts, last, reliability, sigmas
 from ross_sim.study.page_tables import tables_of
-from ross_sim.study.result_rows import Exploration
-from ross_sim.study.row_files import as_csv
+from ross_sim.study.rows.exploration_ends import EndRow, SigmaRow, end_rows, sigma_rows
+from ross_sim.study.rows.exploration_tables import counts, last, reliability, sigmas
+from ross_sim.study.rows.result_rows import Exploration
+from ross_sim.study.rows.row_files import as_csv
 
 TASKS = ("one", "two", "three")
 

@@ -11,7 +11,7 @@ from ross_payload.localization.joint import Joint
 from ross_payload.localization.talker_evidence import FEATURES, IN_NOISE
 from ross_sim.study import fit_evidence_in_noise
 from ross_sim.study.fit_evidence_in_noise import N_TALKERS, descents, noisy_scenes, played
-from ross_sim.study.mixtures import RATE
+from ross_sim.study.scenes.mixtures import RATE
 from rotor_scenes import SPACING, SPEED_OF_SOUND, observations
 
 

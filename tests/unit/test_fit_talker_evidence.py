@@ -13,7 +13,6 @@ import pytest
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
 from ross_payload.localization.talker_evidence import FEATURES, Classifier, Logistic
-from ross_sim.study import evidence_scenes
 from ross_sim.study.fit_talker_evidence import (
     LEARNING_RATE,
     MAX_LEAVES,
@@ -30,6 +29,7 @@ from ross_sim.study.fit_talker_evidence import (
     readers,
     report,
 )
+from ross_sim.study.training import evidence_scenes
 
 pytestmark = pytest.mark.lockstep
 RATE = evidence_scenes.RATE

@@ -17,11 +17,11 @@ from ross_payload.interfaces import Attitude, Input, Observation
 from ross_payload.localization import below, itd_mixture, model_order
 from ross_payload.localization.joint import Joint, height_of
 from ross_payload.sessions import input_log
-from ross_sim.study import above_scenes
-from ross_sim.study.above_scenes import AboveScene, scene
 from ross_sim.study.above_study import observed
-from ross_sim.study.exploration import matched
-from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
+from ross_sim.study.scenes import above_scenes
+from ross_sim.study.scenes.above_scenes import AboveScene, scene
+from ross_sim.study.scenes.exploration import matched
+from ross_sim.study.scenes.room_settings import SPACING, SPEED_OF_SOUND
 
 JOINT = Joint(SPACING, SPEED_OF_SOUND)
 HEADINGS, GRID = np.deg2rad(15.0) * np.arange(9), np.linspace(-1.5, 1.5, 61)

@@ -7,8 +7,8 @@ from click.testing import CliRunner
 
 from ross_payload.errors import ConfigError
 from ross_sim.study.live_separation import Listener, main, score
-from ross_sim.study.live_tables import Row, appended, read_rows, tables
-from ross_sim.study.mixtures import Mixture
+from ross_sim.study.rows.live_tables import Row, appended, read_rows, tables
+from ross_sim.study.scenes.mixtures import Mixture
 
 ROW = Row("S1", 3, 0, 0, 16000, 0, "auto", 100, 100.0, 12.0, 11.5, 9.0, 8.0, None, 0.05, 0.03)
 

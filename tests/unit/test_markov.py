@@ -228,11 +228,11 @@ def test_loudness_does_not_matter() -> None:
 @pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH}; set ROSS_SPEECH")
 def test_real_talkers_in_the_papers_rooms_are_counted_and_placed() -> None:
     """K unknown, 2 to 5; 12 rotations, T_unit 3 s; K right and all within 10 deg in .79 / .34 / .34 of the scenes."""
-    from ross_sim.study.mixtures import VOICES
-    from ross_sim.study.room_settings import PLANES
-    from ross_sim.study.study_case import perform
-    from ross_sim.study.study_design import chosen, tasks
-    from ross_sim.study.talker_placement import Source
+    from ross_sim.study.runs.study_case import perform
+    from ross_sim.study.runs.study_design import chosen, tasks
+    from ross_sim.study.runs.talker_placement import Source
+    from ross_sim.study.scenes.mixtures import VOICES
+    from ross_sim.study.scenes.room_settings import PLANES
 
     axes = {"settings": PLANES, "explorers": ("markov",), "rotations": (12,), "seed": 2}
     study = chosen("exploration", axes, quick=False)

@@ -18,8 +18,8 @@ TERMS = re.compile(
 )
 SEAM = re.compile(r"""["']\s*[frb]*["']""")  # between parts of one text
 KEYS = {  # names of arrays and parameters in files, not words for a user: (file, text)
-    ("sim/ross_sim/study/noise_pieces.py", "wanted"),
-    ("sim/ross_sim/study/refiner_clips.py", "wanted"),
+    ("sim/ross_sim/study/training/noise_pieces.py", "wanted"),
+    ("sim/ross_sim/study/training/refiner_clips.py", "wanted"),
 }
 PROSE = {"sim/ross_sim/talkers/texts.py"}  # what synthetic voices read aloud
 

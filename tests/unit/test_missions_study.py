@@ -9,9 +9,16 @@ from ross_payload.angles import difference
 from ross_payload.config import validated
 from ross_payload.errors import ConfigError
 from ross_sim.scenario import load
-from ross_sim.study.mission_design import MissionStudy, MissionTask, check_draws, mission_tasks, scenario_of, staged
-from ross_sim.study.mission_rows import MissionRow
-from ross_sim.study.mission_table import HEADER, missions
+from ross_sim.study.rows.mission_rows import MissionRow
+from ross_sim.study.rows.mission_table import HEADER, missions
+from ross_sim.study.runs.mission_design import (
+    MissionStudy,
+    MissionTask,
+    check_draws,
+    mission_tasks,
+    scenario_of,
+    staged,
+)
 from ross_sim.talkers.speech import TalkerVoice
 
 ROW = MissionRow(

@@ -9,8 +9,8 @@ import pytest
 
 from ross_payload.events import Outcome
 from ross_sim.study import moving_talkers
-from ross_sim.study.moving_rows import MovingRow, moving
 from ross_sim.study.moving_talkers import APART, WALKS, Case, staged
+from ross_sim.study.rows.moving_rows import MovingRow, moving
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -11,7 +11,7 @@ from ross_payload.separation.network import (
     read_network,
     shipped_network,
 )
-from ross_sim.study import refiner_model
+from ross_sim.study.training import refiner_model
 
 N_FEATURES, WIDTH = 10, 11.7
 FREQUENCIES = WIDTH * np.arange(20)

@@ -8,14 +8,15 @@ import pytest
 import soundfile
 
 from ross_payload.errors import ConfigError, OutputError
-from ross_sim.study import noise_scenes, noise_study
+from ross_sim.study import noise_study
 from ross_sim.study.command import command
-from ross_sim.study.mixtures import RATE
-from ross_sim.study.noise_rows import NoiseRow, noises
-from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings, scene
 from ross_sim.study.noise_study import SHORT, Design, conduct_noise, tonal_of
-from ross_sim.study.row_files import read_rows
-from ross_sim.study.row_manifest import RECORDED, alone_with, claim
+from ross_sim.study.rows.noise_rows import NoiseRow, noises
+from ross_sim.study.rows.row_files import read_rows
+from ross_sim.study.runs.row_manifest import RECORDED, alone_with, claim
+from ross_sim.study.scenes import noise_scenes
+from ross_sim.study.scenes.mixtures import RATE
+from ross_sim.study.scenes.noise_scenes import HEADINGS, ROTORS, noise_of, recordings, scene
 
 VOICES = [np.random.default_rng(n).standard_normal(4 * RATE).astype(np.float32) for n in range(3)]
 

@@ -10,9 +10,9 @@ from click.testing import CliRunner
 
 from ross_payload.errors import ConfigError, OutputError
 from ross_sim.study.command import command
-from ross_sim.study.live_tables import Row, appended, tables
 from ross_sim.study.page_tables import BLOCK, tables_of, with_tables, write_page
-from ross_sim.study.tables import Table
+from ross_sim.study.rows.live_tables import Row, appended, tables
+from ross_sim.study.rows.tables import Table
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = sorted(path for suffix in ("md", "inc") for path in DOCS.rglob(f"*.{suffix}") if "_build" not in path.parts)

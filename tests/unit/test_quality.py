@@ -7,8 +7,8 @@ from ross_payload.alignment.predicted_gain import best_headings
 from ross_payload.dsp.metrics import OFFSET, SLOPE, qualities, si_sdr, si_sdri
 from ross_payload.dsp.stft import Stft
 from ross_payload.separation.refined import separator
-from ross_sim.study.mixtures import FRAME, HOP, RATE, record, scene_of
-from ross_sim.study.room_settings import SETTINGS
+from ross_sim.study.scenes.mixtures import FRAME, HOP, RATE, record, scene_of
+from ross_sim.study.scenes.room_settings import SETTINGS
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 WHITE = [1.0, 1.0, 0.0, 0.0]  # the covariance I

@@ -13,7 +13,7 @@ from ross_payload.separation.auto_separator import separator as auto
 from ross_payload.separation.network import network_of
 from ross_payload.separation.refined import Refined, separator
 from ross_payload.separation.refiner_features import HIGHEST, N_FEATURES, features, stacked
-from ross_sim.study import refiner_model
+from ross_sim.study.training import refiner_model
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 pytestmark = pytest.mark.lockstep

@@ -19,11 +19,11 @@ from ross_payload.separation.local_gaussian_model import wiener
 from ross_payload.separation.network import network_in_noise, network_of, shipped_arrays, shipped_network
 from ross_payload.separation.refined import LARGER, Refined
 from ross_payload.separation.refiner_features import N_FEATURES, N_IN_NOISE, features, features_in_noise, stacked
-from ross_sim.study import noise_clips, refiner_data, refiner_model
-from ross_sim.study.noise_clips import clip_in_noise
-from ross_sim.study.noise_pieces import packed, piece_in_noise
-from ross_sim.study.refiner_model import widened
-from ross_sim.study.voice_augmentation import RATE
+from ross_sim.study.training import noise_clips, refiner_data, refiner_model
+from ross_sim.study.training.noise_clips import clip_in_noise
+from ross_sim.study.training.noise_pieces import packed, piece_in_noise
+from ross_sim.study.training.refiner_model import widened
+from ross_sim.study.training.voice_augmentation import RATE
 from rotor_scenes import SPACING, SPEED_OF_SOUND, rotor_noise, talk
 
 STFT = Stft(RATE, 2048, 512)

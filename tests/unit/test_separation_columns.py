@@ -8,10 +8,10 @@ from ross_payload import plugins
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.stft import Stft
 from ross_payload.errors import ConfigError
-from ross_sim.study.mixtures import FRAME, HOP, RATE, Mixture, aligned_heading, gains, layouts, record, scene_of
-from ross_sim.study.room_settings import SETTINGS
-from ross_sim.study.scoring import NOISE_BLIND, Belief, separations, tools_of
-from ross_sim.study.study_design import chosen
+from ross_sim.study.runs.scoring import NOISE_BLIND, Belief, separations, tools_of
+from ross_sim.study.runs.study_design import chosen
+from ross_sim.study.scenes.mixtures import FRAME, HOP, RATE, Mixture, aligned_heading, gains, layouts, record, scene_of
+from ross_sim.study.scenes.room_settings import SETTINGS
 
 
 def _voices(n: int = 12000) -> list[np.ndarray]:

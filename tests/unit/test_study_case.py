@@ -14,13 +14,13 @@ from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Observation
 from ross_payload.separation.refiner_features import trained_for
 from ross_payload.service.assemble import tools_of
-from ross_sim.study.exploration import render
-from ross_sim.study.mixtures import record
-from ross_sim.study.result_rows import ALIGNED, ESTIMATED, UNALIGNED
-from ross_sim.study.room_settings import SETTINGS
-from ross_sim.study.study_case import Failure, attempt, owners_of, perform
-from ross_sim.study.study_design import PRESETS, Task, chosen, mixed, tasks
-from ross_sim.study.talker_placement import Source, check_voices, heard_as, placed, voices_of
+from ross_sim.study.rows.result_rows import ALIGNED, ESTIMATED, UNALIGNED
+from ross_sim.study.runs.study_case import Failure, attempt, owners_of, perform
+from ross_sim.study.runs.study_design import PRESETS, Task, chosen, mixed, tasks
+from ross_sim.study.runs.talker_placement import Source, check_voices, heard_as, placed, voices_of
+from ross_sim.study.scenes.exploration import render
+from ross_sim.study.scenes.mixtures import record
+from ross_sim.study.scenes.room_settings import SETTINGS
 from voice_folders import voice_folder
 
 pytestmark = pytest.mark.lockstep

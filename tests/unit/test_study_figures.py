@@ -6,12 +6,12 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from ross_sim.study.exploration_ends import end_rows
-from ross_sim.study.exploration_tables import finds
-from ross_sim.study.figures import draw
-from ross_sim.study.layout_gains import gain_rows
-from ross_sim.study.result_rows import Exploration, Separation
-from ross_sim.study.separation_tables import gains, losses
+from ross_sim.study.rows.exploration_ends import end_rows
+from ross_sim.study.rows.exploration_tables import finds
+from ross_sim.study.rows.figures import draw
+from ross_sim.study.rows.layout_gains import gain_rows
+from ross_sim.study.rows.result_rows import Exploration, Separation
+from ross_sim.study.rows.separation_tables import gains, losses
 
 pytestmark = pytest.mark.lockstep
 

@@ -6,16 +6,16 @@ from pathlib import Path
 import pytest
 
 from ross_sim.study.benchmark.benchmark_rows import BenchmarkLocalization, BenchmarkSeparation
-from ross_sim.study.calibration_rows import CalibrationRow
-from ross_sim.study.exploration_ends import EndRow, SigmaRow
-from ross_sim.study.layout_gains import GainRow
-from ross_sim.study.mission_design import MissionStudy
-from ross_sim.study.mission_rows import MissionRow
-from ross_sim.study.motion_rows import MotionRow
 from ross_sim.study.page_tables import MAKERS
-from ross_sim.study.result_rows import Exploration, Separation, Timing, columns
-from ross_sim.study.room_settings import SETTINGS
-from ross_sim.study.study_design import PRESETS, Study, chosen, tasks
+from ross_sim.study.rows.calibration_rows import CalibrationRow
+from ross_sim.study.rows.exploration_ends import EndRow, SigmaRow
+from ross_sim.study.rows.layout_gains import GainRow
+from ross_sim.study.rows.mission_rows import MissionRow
+from ross_sim.study.rows.motion_rows import MotionRow
+from ross_sim.study.rows.result_rows import Exploration, Separation, Timing, columns
+from ross_sim.study.runs.mission_design import MissionStudy
+from ross_sim.study.runs.study_design import PRESETS, Study, chosen, tasks
+from ross_sim.study.scenes.room_settings import SETTINGS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "study.md").read_text(encoding="utf-8")
 

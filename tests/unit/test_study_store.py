@@ -12,15 +12,17 @@ import pytest
 from rich.console import Console
 
 from ross_payload.errors import ConfigError, OutputError
-from ross_sim.study import row_files, study_store, task_engine
-from ross_sim.study.missions_run import CODE
-from ross_sim.study.result_rows import Exploration, Result, Separation, Timing, columns, decode
-from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.study_case import Failure
-from ross_sim.study.study_design import Study, Task
-from ross_sim.study.study_run import Lines, measure, study_manifest
-from ross_sim.study.study_store import FINGERPRINTED, plugin_versions, sources
-from ross_sim.study.talker_placement import Source
+from ross_sim.study import calibration_study
+from ross_sim.study.rows import row_files
+from ross_sim.study.rows.result_rows import Exploration, Result, Separation, Timing, columns, decode
+from ross_sim.study.rows.row_files import as_csv, read_rows
+from ross_sim.study.runs import row_manifest, study_store, task_engine
+from ross_sim.study.runs.missions_run import CODE
+from ross_sim.study.runs.study_case import Failure
+from ross_sim.study.runs.study_design import Study, Task
+from ross_sim.study.runs.study_run import Lines, measure, study_manifest
+from ross_sim.study.runs.study_store import FINGERPRINTED, plugin_versions, sources
+from ross_sim.study.runs.talker_placement import Source
 
 Store = partial(study_store.Store, decode=decode)
 WANTED = {"study": {"seed": 1, "settings": ["S1", "S2"]}, "code": "abc"}
@@ -130,6 +132,18 @@ def test_a_study_depends_on_all_modules_of_ours_behind_its_rows():
     rows, missions = ({path.name for path in sources(code)} for code in (FINGERPRINTED, CODE))
     assert {"mission_options.py", "motion.py", "study_design.py", "events.py", "interfaces.py"} <= rows
     assert {"stage.py", "learning.py", "audio_health.py", "sink_runner.py", "consistency.py"} <= missions
+
+
+@pytest.mark.parametrize("code", [FINGERPRINTED, CODE, row_manifest.CODE, calibration_study.CODE])
+def test_every_file_that_a_study_depends_on_is_there(code):
+    """A module that has moved would go out of the fingerprint without a word."""
+    missing = [
+        pattern
+        for package, patterns in code.items()
+        for pattern in patterns
+        if not list(sources({package: (pattern,)}))
+    ]
+    assert missing == []
 
 
 def test_a_folder_in_which_nothing_was_measured_can_be_taken(tmp_path):

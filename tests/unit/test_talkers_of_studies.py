@@ -14,9 +14,9 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Samples
 from ross_sim.study import above_study, live_separation, noise_study
 from ross_sim.study.above_study import AboveDesign, conduct_above
-from ross_sim.study.mixtures import RATE, VOICES
 from ross_sim.study.noise_study import Design, conduct_noise
-from ross_sim.study.talker_placement import standard_voices
+from ross_sim.study.runs.talker_placement import standard_voices
+from ross_sim.study.scenes.mixtures import RATE, VOICES
 
 
 def folder_of(folder: Path, names: Sequence[str], seconds: int = 6) -> Path:

@@ -11,7 +11,7 @@ from ross_payload.audio.sound_devices import Device
 from ross_payload.evaluation.results import _table as evaluation_table
 from ross_payload.terminal_tables import listed, with_whole_words
 from ross_sim.sitl.summary import _groups, _sources
-from ross_sim.study.tables import Table as StudyTable
+from ross_sim.study.rows.tables import Table as StudyTable
 
 NAMES = ("arthur", "bella", "cedric", "dora", "edgar")
 SOURCES = {

@@ -11,9 +11,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.separation.local_gaussian_model import wiener
 from ross_payload.separation.network import encode_network, network_of, places, shipped_arrays
 from ross_payload.separation.refiner_features import N_FEATURES
-from ross_sim.study import noise_pieces, refiner_clips, refiner_data, refiner_model, train_refiner
-from ross_sim.study.refiner_clips import N_KEPT, clips, kept_out, load, packed, piece
-from ross_sim.study.refiner_data import clip
+from ross_sim.study import train_refiner
 from ross_sim.study.train_refiner import (
     FASTEST,
     GROUPS,
@@ -26,7 +24,10 @@ from ross_sim.study.train_refiner import (
     train,
     training,
 )
-from ross_sim.study.voice_augmentation import RATE
+from ross_sim.study.training import noise_pieces, refiner_clips, refiner_data, refiner_model
+from ross_sim.study.training.refiner_clips import N_KEPT, clips, kept_out, load, packed, piece
+from ross_sim.study.training.refiner_data import clip
+from ross_sim.study.training.voice_augmentation import RATE
 
 
 @pytest.fixture

@@ -7,13 +7,13 @@ import pytest
 
 from ross_payload.dsp.steering import tdoa
 from ross_payload.errors import ConfigError
-from ross_sim.study.exploration_course import course_of
-from ross_sim.study.motion_rows import MotionRow, as_soon, motion_rows, motions, paired, rising
-from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
-from ross_sim.study.study_case import perform
-from ross_sim.study.study_design import Task, chosen
-from ross_sim.study.talker_placement import Source, placed
-from ross_sim.study.turning_render import GRID, N_HALF, HalfTurn, Turning, render_turning
+from ross_sim.study.rows.motion_rows import MotionRow, as_soon, motion_rows, motions, paired, rising
+from ross_sim.study.runs.exploration_course import course_of
+from ross_sim.study.runs.study_case import perform
+from ross_sim.study.runs.study_design import Task, chosen
+from ross_sim.study.runs.talker_placement import Source, placed
+from ross_sim.study.scenes.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
+from ross_sim.study.scenes.turning_render import GRID, N_HALF, HalfTurn, Turning, render_turning
 from voice_folders import voice_folder
 
 RATE = 16000

@@ -7,13 +7,14 @@ from ross_payload.errors import ConfigError
 from ross_payload.separation.local_gaussian_model import separator as gaussian
 from ross_payload.voiceprint.built_in import BuiltInModel, encode_model
 from ross_payload.voiceprint.features import RATE
-from ross_sim.study import reader_mixtures, train_voiceprint, voice_pieces
-from ross_sim.study.calibration_voices import N_FOLDS, SeparatedVoice, enrolments, folds_of
-from ross_sim.study.reader_mixtures import groups_of, heard
+from ross_sim.study import train_voiceprint
 from ross_sim.study.train_voiceprint import trained
-from ross_sim.study.training_voices import readers
-from ross_sim.study.voice_calibration import Corpus, trials
-from ross_sim.study.voice_pieces import reader_of, training_pieces, with_speeds
+from ross_sim.study.training import reader_mixtures, voice_pieces
+from ross_sim.study.training.calibration_voices import N_FOLDS, SeparatedVoice, enrolments, folds_of
+from ross_sim.study.training.reader_mixtures import groups_of, heard
+from ross_sim.study.training.training_voices import readers
+from ross_sim.study.training.voice_calibration import Corpus, trials
+from ross_sim.study.training.voice_pieces import reader_of, training_pieces, with_speeds
 from ross_sim.talkers.speech import TalkerVoice
 from speaker_network import vowel
 

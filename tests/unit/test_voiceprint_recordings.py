@@ -10,8 +10,8 @@ import pytest
 from ross_payload.voiceprint import built_in_model, enrol
 from ross_payload.voiceprint.built_in import read_model
 from ross_payload.voiceprint.disturbed_copies import disturbed
+from ross_sim.study.rows.voice_print_rows import CRITERION, equal_error_rate
 from ross_sim.study.train_voiceprint import main as train
-from ross_sim.study.voice_print_rows import CRITERION, equal_error_rate
 from ross_sim.study.voiceprint_study import OUTSIDE
 from ross_sim.talkers.speech import load_folder
 

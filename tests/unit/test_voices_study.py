@@ -11,9 +11,9 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Clip
 from ross_payload.voiceprint import built_in_model, enrol
 from ross_payload.voiceprint.features import RATE as VOICE_RATE
-from ross_sim.study import calibration_voices, voice_print_rows, voiceprint_study
-from ross_sim.study.room_settings import SETTINGS
-from ross_sim.study.voice_print_rows import (
+from ross_sim.study import voiceprint_study
+from ross_sim.study.rows import voice_print_rows
+from ross_sim.study.rows.voice_print_rows import (
     NEAR,
     VoicePrintRow,
     equal_error_rate,
@@ -22,6 +22,8 @@ from ross_sim.study.voice_print_rows import (
     split,
     voice_prints,
 )
+from ross_sim.study.scenes.room_settings import SETTINGS
+from ross_sim.study.training import calibration_voices
 from ross_sim.study.voiceprint_study import separated_voice
 from ross_sim.talkers.speech import TalkerVoice, load_folder
 from speaker_network import vowel

@@ -31,16 +31,16 @@ from ross_payload.localization.joint import Joint
 from ross_payload.localization.joint_in_noise import JointInNoise
 from ross_payload.mission.align import ROTORS as ROTORS_SHARE
 from ross_payload.plugin_checks import load_separator
-from ross_sim.study.above_rows import AboveRow, above
-from ross_sim.study.above_scenes import AboveScene, among, images_of, rotors_of, scene
-from ross_sim.study.exploration import NEAR_DEG, matched
-from ross_sim.study.mixtures import LEAD_IN, RATE, expect_sound
-from ross_sim.study.noise_scenes import HEADINGS, ROTORS, noise_of, recordings
 from ross_sim.study.noise_study import LONG, SHORT, TALKERS
-from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
-from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.row_manifest import alone_with, basis_in_noise, claim
-from ross_sim.study.talker_placement import standard_voices
+from ross_sim.study.rows.above_rows import AboveRow, above
+from ross_sim.study.rows.row_files import as_csv, read_rows
+from ross_sim.study.runs.row_manifest import alone_with, basis_in_noise, claim
+from ross_sim.study.runs.talker_placement import standard_voices
+from ross_sim.study.scenes.above_scenes import AboveScene, among, images_of, rotors_of, scene
+from ross_sim.study.scenes.exploration import NEAR_DEG, matched
+from ross_sim.study.scenes.mixtures import LEAD_IN, RATE, expect_sound
+from ross_sim.study.scenes.noise_scenes import HEADINGS, ROTORS, noise_of, recordings
+from ross_sim.study.scenes.room_settings import SPACING, SPEED_OF_SOUND
 
 RUN = 10.0  # [s]
 FREE = Turn(base=0.0, joint=0.0, lower=-np.inf, upper=np.inf)

@@ -35,9 +35,9 @@ from ross_payload.voiceprint.embedding_model import EmbeddingModel
 from ross_payload.voiceprint.embedding_print import Calibration, poorness_of, unit
 from ross_payload.voiceprint.features import at_rate
 from ross_payload.voiceprint.model_folder import BUILT_IN, read_model
-from ross_sim.study.mixtures import RATE, excerpt, layouts
 from ross_sim.study.option_types import NATURAL, POSITIVE, argument
-from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, Setting
+from ross_sim.study.scenes.mixtures import RATE, excerpt, layouts
+from ross_sim.study.scenes.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, Setting
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.study.voiceprint_study import OUTSIDE, best_heading, separated_at
 from ross_sim.talkers.speech import TalkerVoice, load_folder

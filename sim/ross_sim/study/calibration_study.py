@@ -29,13 +29,13 @@ from ross_payload.errors import ConfigError, OutputError, refused_as, unknown
 from ross_payload.interfaces import Real, Samples
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.calibration_flight import turned_in
-from ross_sim.study.calibration_rows import CalibrationRow, calibrations
-from ross_sim.study.missions_run import CODE as MISSIONS
-from ross_sim.study.room_settings import SETTINGS, check_rooms
-from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.row_manifest import alone_with, claim
-from ross_sim.study.study_store import Code, basis_of
-from ross_sim.study.talker_placement import heard_as
+from ross_sim.study.rows.calibration_rows import CalibrationRow, calibrations
+from ross_sim.study.rows.row_files import as_csv, read_rows
+from ross_sim.study.runs.missions_run import CODE as MISSIONS
+from ross_sim.study.runs.row_manifest import alone_with, claim
+from ross_sim.study.runs.study_store import Code, basis_of
+from ross_sim.study.runs.talker_placement import heard_as
+from ross_sim.study.scenes.room_settings import SETTINGS, check_rooms
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of
 
@@ -51,7 +51,7 @@ STEP_ERROR = 0.05 * math.radians(1.8)  # of a NEMA 17 at most [rad]
 FULL_STEPS = 200
 CODE: Code = MISSIONS | {  # behind the rows
     ross_payload: (*MISSIONS[ross_payload], "doctor/calibration_session.py"),
-    ross_sim.study: (*MISSIONS[ross_sim.study], "calibration_rows.py", "calibration_study.py"),
+    ross_sim.study: (*MISSIONS[ross_sim.study], "rows/calibration_rows.py", "calibration_study.py"),
 }
 
 

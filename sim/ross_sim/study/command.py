@@ -57,7 +57,7 @@ def _executed(function: Any) -> Any:
 
 
 def _engine(engine: dict[str, Any], workers: int | None) -> Any:
-    from ross_sim.study.task_engine import EngineChoice
+    from ross_sim.study.runs.task_engine import EngineChoice
 
     if workers is not None and "scheduler" in engine:
         raise ConfigError(f"--workers: expected none with a cluster, which has its own, got {workers}")
@@ -129,7 +129,7 @@ def separators(
     Presets: quick, paper, figures, separation, exploration, full. Every option of an axis replaces the preset's.
     """
     changes = {name: value for name, value in axes.items() if value is not None}
-    from ross_sim.study.study_run import conduct
+    from ross_sim.study.runs.study_run import conduct
 
     by = _engine(engine, workers)
     return conduct(preset, changes, out=out, speech=speech, engine=by, quick=quick, **_share(shard))
@@ -166,7 +166,7 @@ def missions(
     Exit codes: 0 done, 1 a task failed or the disk is full, 2 bad input, 130 stopped by the user.
     """
     changes = {name: value for name, value in axes.items() if value is not None} | {"settings": settings}
-    from ross_sim.study.missions_run import conduct_missions
+    from ross_sim.study.runs.missions_run import conduct_missions
 
     return conduct_missions(changes, out=out, speech=speech, engine=_engine(engine, workers), **_share(shard))
 
@@ -226,8 +226,8 @@ def noise_study(*, out: Path, speech: Path, noise: Path | None, only: str | None
 
     Exit codes: 0 done, 1 the rows cannot be written, 2 bad input, 130 stopped by the user.
     """
-    from ross_sim.study.noise_scenes import KINDS
     from ross_sim.study.noise_study import MODELS, Design, conduct_noise
+    from ross_sim.study.scenes.noise_scenes import KINDS
 
     kinds = axes["kinds"] or (("synthetic",) if noise is None else ("synthetic", "recorded"))
     wrong = next((kind for kind in kinds if kind not in KINDS), None)
@@ -259,7 +259,7 @@ def merged(shards: tuple[Path, ...], out: Path) -> int:
 
     Exit codes: 0 done, 1 the disk is full, 2 the shards do not belong together or are not all there.
     """
-    from ross_sim.study.shards import merge
+    from ross_sim.study.runs.shards import merge
 
     for made in merge(shards, out):
         click.echo(made.markdown())
@@ -275,7 +275,7 @@ def status(folder: Path) -> int:
     """
     import time
 
-    from ross_sim.study.study_status import status_of
+    from ross_sim.study.runs.study_status import status_of
 
     click.echo(status_of(folder, time.time()).words)
     return 0

@@ -25,16 +25,16 @@ from ross_payload.angles import difference
 from ross_payload.dsp.steering import tdoa
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Explorer, Real, Samples
-from ross_sim.study import exploration
-from ross_sim.study.elevation_rows import ElevationRow, below
-from ross_sim.study.exploration import NEAR_DEG
-from ross_sim.study.mixtures import RATE, gains, record
 from ross_sim.study.option_types import NATURAL, POSITIVE, argument
-from ross_sim.study.result_rows import degrees, number
-from ross_sim.study.room_settings import DISTANCE, SPACING, SPEED_OF_SOUND, Setting
-from ross_sim.study.row_files import as_csv
+from ross_sim.study.rows.elevation_rows import ElevationRow, below
+from ross_sim.study.rows.result_rows import degrees, number
+from ross_sim.study.rows.row_files import as_csv
+from ross_sim.study.runs.talker_placement import standard_voices
+from ross_sim.study.scenes import exploration
+from ross_sim.study.scenes.exploration import NEAR_DEG
+from ross_sim.study.scenes.mixtures import RATE, gains, record
+from ross_sim.study.scenes.room_settings import DISTANCE, SPACING, SPEED_OF_SOUND, Setting
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
-from ross_sim.study.talker_placement import standard_voices
 
 COUNTS = (2, 3, 4, 5)  # K
 RUN = 10.0  # of every talker, to separate [s]

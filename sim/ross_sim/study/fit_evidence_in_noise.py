@@ -27,15 +27,15 @@ from ross_sim.study.fit_talker_evidence import (
     picked_by,
     report,
 )
-from ross_sim.study.mixtures import RATE
-from ross_sim.study.noise_scenes import NoiseScene, recordings, scene
 from ross_sim.study.noise_study import observed
 from ross_sim.study.option_types import NATURAL, POSITIVE, argument
-from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
+from ross_sim.study.scenes.mixtures import RATE
+from ross_sim.study.scenes.noise_scenes import NoiseScene, recordings, scene
+from ross_sim.study.scenes.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
-from ross_sim.study.training_voices import readers
-from ross_sim.study.voice_augmentation import RATE as READ_AT
-from ross_sim.study.voice_augmentation import at_speed
+from ross_sim.study.training.training_voices import readers
+from ross_sim.study.training.voice_augmentation import RATE as READ_AT
+from ross_sim.study.training.voice_augmentation import at_speed
 from ross_sim.talkers.speech import resampled
 
 N_SCENES = 74

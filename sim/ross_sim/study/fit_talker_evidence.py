@@ -30,12 +30,12 @@ from ross_payload.localization import model_order, talker_evidence
 from ross_payload.localization.boosted_trees import LEAF, BoostedTrees, encode_trees
 from ross_payload.localization.joint import Joint
 from ross_payload.localization.talker_evidence import DESCRIBED, FEATURES, LIKELY, Classifier, Logistic
-from ross_sim.study.evidence_scenes import HEADINGS, ROOMS, EvidenceScene, scenes
-from ross_sim.study.exploration import FRAME, NEAR_DEG, observed
-from ross_sim.study.mixtures import RATE
 from ross_sim.study.option_types import NATURAL, argument
-from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
+from ross_sim.study.scenes.exploration import FRAME, NEAR_DEG, observed
+from ross_sim.study.scenes.mixtures import RATE
+from ross_sim.study.scenes.room_settings import SPACING, SPEED_OF_SOUND
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
+from ross_sim.study.training.evidence_scenes import HEADINGS, ROOMS, EvidenceScene, scenes
 from ross_sim.talkers.speech import load_folder, read
 
 ROTATIONS = (2, 4, 8, 12)

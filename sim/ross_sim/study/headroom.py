@@ -13,9 +13,9 @@ import click
 from ross_sim.sitl.mission_session import perform
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.talker_selection import directed, talkers_of
-from ross_sim.study.headroom_rows import WORDS, HeadroomRow, headroom
 from ross_sim.study.option_types import CommaSeparated
-from ross_sim.study.row_files import as_csv
+from ross_sim.study.rows.headroom_rows import WORDS, HeadroomRow, headroom
+from ross_sim.study.rows.row_files import as_csv
 from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
 
 

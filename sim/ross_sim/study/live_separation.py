@@ -23,13 +23,13 @@ from ross_payload.dsp.streaming_stft import StreamingAnalysis, StreamingSynthesi
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import LiveSeparator, Real, Scene
 from ross_payload.plugin_checks import load_separator
-from ross_sim.study.live_tables import Row, appended, read_rows, tables
-from ross_sim.study.mixtures import PAPER_DEG, Mixture, aligned_heading, is_silent, layouts, record, scene_of
 from ross_sim.study.option_types import NATURAL, CommaSeparated
 from ross_sim.study.page_tables import write_page
-from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, check_rooms
+from ross_sim.study.rows.live_tables import Row, appended, read_rows, tables
+from ross_sim.study.runs.talker_placement import standard_voices
+from ross_sim.study.scenes.mixtures import PAPER_DEG, Mixture, aligned_heading, is_silent, layouts, record, scene_of
+from ross_sim.study.scenes.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND, check_rooms
 from ross_sim.study.script_errors import told_in_a_line
-from ross_sim.study.talker_placement import standard_voices
 
 SECONDS, SETTLED, FIRST = 10.0, 4.0, 1.0  # of a mixture, until its covariances are learnt, after a turn [s]
 WINDOW = 4.0  # learnt from [s]

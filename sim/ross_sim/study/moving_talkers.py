@@ -41,12 +41,12 @@ from ross_sim.scenario import Scenario
 from ross_sim.sitl.mission_session import Finished, perform
 from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.talker_selection import TalkerSelection
-from ross_sim.study.mixtures import spread
-from ross_sim.study.moving_rows import MovingRow, moving, rms
 from ross_sim.study.option_types import NATURAL, POSITIVE, CommaSeparated, argument
-from ross_sim.study.result_rows import number
-from ross_sim.study.room_settings import SETTINGS, check_rooms
-from ross_sim.study.row_files import as_csv
+from ross_sim.study.rows.moving_rows import MovingRow, moving, rms
+from ross_sim.study.rows.result_rows import number
+from ross_sim.study.rows.row_files import as_csv
+from ross_sim.study.scenes.mixtures import spread
+from ross_sim.study.scenes.room_settings import SETTINGS, check_rooms
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of

@@ -33,11 +33,14 @@ from ross_payload.localization.joint import Joint
 from ross_payload.localization.joint_in_noise import JointInNoise
 from ross_payload.mission.align import ROTORS as ROTORS_SHARE
 from ross_payload.plugin_checks import load_separator
-from ross_sim.study.exploration import FRAME, NEAR_DEG, matched
-from ross_sim.study.mixtures import FRAME as LONG_FRAME
-from ross_sim.study.mixtures import HOP, LEAD_IN, RATE, expect_sound
-from ross_sim.study.noise_rows import NoiseRow, noises
-from ross_sim.study.noise_scenes import (
+from ross_sim.study.rows.noise_rows import NoiseRow, noises
+from ross_sim.study.rows.row_files import as_csv, read_rows
+from ross_sim.study.runs.row_manifest import RECORDED, alone_with, basis_in_noise, claim
+from ross_sim.study.runs.talker_placement import standard_voices
+from ross_sim.study.scenes.exploration import FRAME, NEAR_DEG, matched
+from ross_sim.study.scenes.mixtures import FRAME as LONG_FRAME
+from ross_sim.study.scenes.mixtures import HOP, LEAD_IN, RATE, expect_sound
+from ross_sim.study.scenes.noise_scenes import (
     BLADES,
     HEADINGS,
     ROTORS,
@@ -49,10 +52,7 @@ from ross_sim.study.noise_scenes import (
     recordings,
     scene,
 )
-from ross_sim.study.room_settings import SPACING, SPEED_OF_SOUND
-from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.row_manifest import RECORDED, alone_with, basis_in_noise, claim
-from ross_sim.study.talker_placement import standard_voices
+from ross_sim.study.scenes.room_settings import SPACING, SPEED_OF_SOUND
 
 RUN = 10.0  # [s]
 TALKERS = (1, 2, 3)

@@ -87,7 +87,7 @@ class ShardNumber(click.ParamType[Any]):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Read number and count."""
-        from ross_sim.study.study_design import Shard  # noqa: PLC0415  takes a second
+        from ross_sim.study.runs.study_design import Shard  # noqa: PLC0415  takes a second
 
         number, _, of = str(value).partition("/")
         if not (number.isdecimal() and of.isdecimal() and 1 <= int(number) <= int(of)):

@@ -21,37 +21,36 @@ from typing import Any
 from ross_payload.atomic_files import replacing
 from ross_payload.bounded_files import read_bounded
 from ross_payload.errors import ConfigError, OutputError, refused_as, unknown
-from ross_sim.study import live_tables
-from ross_sim.study.above_rows import AboveRow, above
 from ross_sim.study.benchmark.benchmark_rows import (
     BenchmarkLocalization,
     BenchmarkSeparation,
     localization_table,
     separation_table,
 )
-from ross_sim.study.calibration_rows import CalibrationRow, calibrations
-from ross_sim.study.cost_rows import CostRow, costs, growth
-from ross_sim.study.elevation_rows import ElevationRow, below
-from ross_sim.study.exploration_ends import EndRow, SigmaRow, end_rows
-from ross_sim.study.exploration_tables import counts, finds, reliability, sigmas
-from ross_sim.study.heading_rows import HeadingRow, headings
-from ross_sim.study.headroom_rows import HeadroomRow, headroom
-from ross_sim.study.layout_gains import GainRow, gain_rows
-from ross_sim.study.long_run_rows import ListeningMinute, PageRun, PayloadRun, endurance, listening, page_runs
-from ross_sim.study.mission_rows import MissionRow
-from ross_sim.study.mission_table import missions
-from ross_sim.study.motion_rows import MotionRow, motions
-from ross_sim.study.moving_rows import MovingRow, moving
-from ross_sim.study.noise_rows import NoiseRow, noises
-from ross_sim.study.promptness_rows import PulseRow, StopRow, answers, pulses, stops
-from ross_sim.study.resting_rows import RestingRow, resting
-from ross_sim.study.result_rows import Exploration, Separation
-from ross_sim.study.row_files import read_rows
-from ross_sim.study.rtp_rows import NetworkRow, PlayerRow, networks, players
-from ross_sim.study.separation_tables import gains, losses
-from ross_sim.study.study_design import STOP
-from ross_sim.study.tables import Table
-from ross_sim.study.voice_print_rows import VoicePrintRow, voice_prints
+from ross_sim.study.rows import live_tables
+from ross_sim.study.rows.above_rows import AboveRow, above
+from ross_sim.study.rows.calibration_rows import CalibrationRow, calibrations
+from ross_sim.study.rows.cost_rows import CostRow, costs, growth
+from ross_sim.study.rows.elevation_rows import ElevationRow, below
+from ross_sim.study.rows.exploration_ends import STOP, EndRow, SigmaRow, end_rows
+from ross_sim.study.rows.exploration_tables import counts, finds, reliability, sigmas
+from ross_sim.study.rows.heading_rows import HeadingRow, headings
+from ross_sim.study.rows.headroom_rows import HeadroomRow, headroom
+from ross_sim.study.rows.layout_gains import GainRow, gain_rows
+from ross_sim.study.rows.long_run_rows import ListeningMinute, PageRun, PayloadRun, endurance, listening, page_runs
+from ross_sim.study.rows.mission_rows import MissionRow
+from ross_sim.study.rows.mission_table import missions
+from ross_sim.study.rows.motion_rows import MotionRow, motions
+from ross_sim.study.rows.moving_rows import MovingRow, moving
+from ross_sim.study.rows.noise_rows import NoiseRow, noises
+from ross_sim.study.rows.promptness_rows import PulseRow, StopRow, answers, pulses, stops
+from ross_sim.study.rows.resting_rows import RestingRow, resting
+from ross_sim.study.rows.result_rows import Exploration, Separation
+from ross_sim.study.rows.row_files import read_rows
+from ross_sim.study.rows.rtp_rows import NetworkRow, PlayerRow, networks, players
+from ross_sim.study.rows.separation_tables import gains, losses
+from ross_sim.study.rows.tables import Table
+from ross_sim.study.rows.voice_print_rows import VoicePrintRow, voice_prints
 
 BLOCK = re.compile(
     r"(<!-- rows: (?P<rows>[^,>]+), table: (?P<table>\S+) -->(?P<end>\r?\n)).*?(<!-- rows: end -->)", re.DOTALL

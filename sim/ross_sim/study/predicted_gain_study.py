@@ -25,15 +25,15 @@ from ross_payload.alignment.plan import isolation
 from ross_payload.angles import Real
 from ross_payload.interfaces import Separator
 from ross_payload.option_types import NumberRange
-from ross_sim.study.heading_rows import HeadingRow, headings
-from ross_sim.study.mixtures import RATE, aligned_heading, gains, layouts, record
 from ross_sim.study.option_types import NATURAL, CommaSeparated
-from ross_sim.study.result_rows import number
-from ross_sim.study.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting, check_rooms
-from ross_sim.study.row_files import as_csv
+from ross_sim.study.rows.heading_rows import HeadingRow, headings
+from ross_sim.study.rows.result_rows import number
+from ross_sim.study.rows.row_files import as_csv
+from ross_sim.study.runs.study_design import Study
+from ross_sim.study.runs.talker_placement import Source, check_voices, voices_of
+from ross_sim.study.scenes.mixtures import RATE, aligned_heading, gains, layouts, record
+from ross_sim.study.scenes.room_settings import PLANES, SETTINGS, SPACING, SPEED_OF_SOUND, Setting, check_rooms
 from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
-from ross_sim.study.study_design import Study
-from ross_sim.study.talker_placement import Source, check_voices, voices_of
 
 GRID: Real = np.deg2rad(np.arange(0.0, 180.0, 0.5))  # headings that argmax tries
 RULES: dict[str, Callable[[Real, int, float], float]] = {

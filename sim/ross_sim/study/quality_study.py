@@ -17,9 +17,9 @@ from ross_payload.alignment.predicted_gain import best_headings
 from ross_payload.dsp.metrics import si_sdr
 from ross_payload.dsp.stft import Stft
 from ross_payload.separation import local_gaussian_model, refined
-from ross_sim.study.mixtures import FRAME, HOP, RATE, Mixture, excerpt, layouts, record, scene_of
 from ross_sim.study.option_types import NATURAL, POSITIVE, argument
-from ross_sim.study.room_settings import SETTINGS
+from ross_sim.study.scenes.mixtures import FRAME, HOP, RATE, Mixture, excerpt, layouts, record, scene_of
+from ross_sim.study.scenes.room_settings import SETTINGS
 from ross_sim.study.script_errors import told_by
 from ross_sim.talkers.speech import TalkerVoice
 from ross_sim.talkers.synthetic_voices import voices_of

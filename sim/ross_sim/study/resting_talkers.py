@@ -27,13 +27,13 @@ from ross_payload.interfaces import Real, Samples
 from ross_payload.localization import tracking
 from ross_payload.localization.phase_statistics import FrameStatistics, statistics
 from ross_payload.mission.source_tracking import ECHOES, UPDATE, SourceTracker
-from ross_sim.study.exploration import render
-from ross_sim.study.mixtures import SNR_DB, spread
 from ross_sim.study.option_types import NATURAL, POSITIVE, CommaSeparated, argument
-from ross_sim.study.resting_rows import RestingRow, resting
-from ross_sim.study.result_rows import number
-from ross_sim.study.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
-from ross_sim.study.row_files import as_csv
+from ross_sim.study.rows.resting_rows import RestingRow, resting
+from ross_sim.study.rows.result_rows import number
+from ross_sim.study.rows.row_files import as_csv
+from ross_sim.study.scenes.exploration import render
+from ross_sim.study.scenes.mixtures import SNR_DB, spread
+from ross_sim.study.scenes.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
 from ross_sim.talkers.synthetic_voices import voices_of
 

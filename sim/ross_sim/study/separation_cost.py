@@ -28,11 +28,11 @@ from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Complex, Real
 from ross_payload.separation import auxiva
 from ross_sim.study.baselines import library
-from ross_sim.study.cost_rows import BLIND, CostRow, costs, growth
 from ross_sim.study.option_types import NATURAL
-from ross_sim.study.row_files import as_csv
+from ross_sim.study.rows.cost_rows import BLIND, CostRow, costs, growth
+from ross_sim.study.rows.row_files import as_csv
+from ross_sim.study.scenes.workload import VOICE_RATE, Case, Peer, Work, cpu_seconds, prepared
 from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
-from ross_sim.study.workload import VOICE_RATE, Case, Peer, Work, cpu_seconds, prepared
 from ross_sim.talkers.speech import load_folder
 
 AXES = (2, 1, 0)  # pyroomacoustics: (n_frames, n_freqs, n_channels)

@@ -6,9 +6,9 @@ direction, from the shipped weights on, or from those of ``--begin``.
 
 Clips of random mixtures are made once; then a network is trained on random pieces of them, one piece per step, with
 Adam and an average of the weights. The folder of readers has a list, MANIFEST.tsv, that says who is in the set
-`train`; clips of `ross_sim.study.refiner_clips.N_KEPT` of them only watch the training. What is made on the way is kept
-in ``--work``: a run that was interrupted goes on from there and ends with the same bytes, because what a step does
-depends on the seed and on its number alone. Needs the packages jax and optax.
+`train`; clips of `training.refiner_clips.N_KEPT` of them only watch the training. What is made on the way is kept in
+``--work``: a run that was interrupted goes on from there and ends with the same bytes, because what a step does depends
+on the seed and on its number alone. Needs the packages jax and optax.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from ross_payload.interfaces import Real
 from ross_payload.plugins import pip
 from ross_payload.separation.network import arrays_of, encode_network, shipped_arrays
 from ross_sim.cache import Array, cached, fingerprint
-from ross_sim.study import noise_pieces, refiner_model
 from ross_sim.study.option_types import NATURAL
-from ross_sim.study.refiner_clips import Batch, clips, kept_out, load, piece
-from ross_sim.study.refiner_model import initial, widened
 from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
-from ross_sim.study.training_voices import readers
-from ross_sim.study.voice_augmentation import RATE
+from ross_sim.study.training import noise_pieces, refiner_model
+from ross_sim.study.training.refiner_clips import Batch, clips, kept_out, load, piece
+from ross_sim.study.training.refiner_model import initial, widened
+from ross_sim.study.training.training_voices import readers
+from ross_sim.study.training.voice_augmentation import RATE
 from ross_sim.talkers.speech import read
 
 N_CLIPS, N_WATCHED = 800, 40

@@ -24,7 +24,9 @@ from ross_payload.interfaces import Real
 from ross_payload.voiceprint.built_in import Background, Factors, Parameters, encode_model, pitch_of, read_model
 from ross_payload.voiceprint.embedding_print import unit
 from ross_sim.cache import Array, cached
-from ross_sim.study.calibration_voices import (
+from ross_sim.study.option_types import NATURAL
+from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
+from ross_sim.study.training.calibration_voices import (
     N_FOLDS,
     enrolled_readers,
     enrolments,
@@ -34,13 +36,11 @@ from ross_sim.study.calibration_voices import (
     reader_voice,
     speaks_long,
 )
-from ross_sim.study.option_types import NATURAL
-from ross_sim.study.script_errors import expect_writable, told_in_a_line, write_result
-from ross_sim.study.training_voices import readers, recipes, synthetic, voices_fingerprint
-from ross_sim.study.voice_augmentation import excerpt
-from ross_sim.study.voice_calibration import Corpus, calibrated
-from ross_sim.study.voice_factors import discriminants, first_loadings, improved_loadings
-from ross_sim.study.voice_pieces import Piece, reader_of, training_pieces, with_speeds
+from ross_sim.study.training.training_voices import readers, recipes, synthetic, voices_fingerprint
+from ross_sim.study.training.voice_augmentation import excerpt
+from ross_sim.study.training.voice_calibration import Corpus, calibrated
+from ross_sim.study.training.voice_factors import discriminants, first_loadings, improved_loadings
+from ross_sim.study.training.voice_pieces import Piece, reader_of, training_pieces, with_speeds
 
 N_SYNTHETIC, SYNTHETIC_SECONDS = 28, 14.0
 N_GAUSSIANS, N_FACTORS = 256, 150

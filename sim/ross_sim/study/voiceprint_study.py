@@ -27,12 +27,12 @@ from ross_payload.voiceprint.built_in import read_model
 from ross_payload.voiceprint.dominance import dominant
 from ross_payload.voiceprint.features import RATE as VOICE_RATE
 from ross_payload.voiceprint.features import at_rate
-from ross_sim.study.mixtures import FRAME, HOP, RATE, excerpt, layouts, record, scene_of
 from ross_sim.study.option_types import NATURAL, POSITIVE, argument
-from ross_sim.study.room_settings import SETTINGS, Setting
-from ross_sim.study.row_files import as_csv
+from ross_sim.study.rows.row_files import as_csv
+from ross_sim.study.rows.voice_print_rows import VoicePrintRow, split, voice_prints
+from ross_sim.study.scenes.mixtures import FRAME, HOP, RATE, excerpt, layouts, record, scene_of
+from ross_sim.study.scenes.room_settings import SETTINGS, Setting
 from ross_sim.study.script_errors import expect_writable, told_by, write_result
-from ross_sim.study.voice_print_rows import VoicePrintRow, split, voice_prints
 from ross_sim.talkers.speech import TalkerVoice, load_folder
 from ross_sim.talkers.synthetic_voices import synthetic_voices
 

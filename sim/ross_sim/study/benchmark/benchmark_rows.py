@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ross_sim.study.exploration import NEAR_DEG
-from ross_sim.study.intervals import mean_cell, rate_cell
-from ross_sim.study.tables import Table, grouped
+from ross_sim.study.rows.intervals import mean_cell, rate_cell
+from ross_sim.study.rows.tables import Table, grouped
+from ross_sim.study.scenes.exploration import NEAR_DEG
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,10 +26,10 @@ from ross_payload.interfaces import Real, Samples
 from ross_sim.acoustics.room import RoomSpec, respond
 from ross_sim.study.benchmark.recordings import FULL_SCALE, RATE, found
 from ross_sim.study.benchmark.scene_list import ALIGNED, RANDOM, SECONDS, TURNING, BenchmarkScene, SceneList
-from ross_sim.study.exploration import render
-from ross_sim.study.mixtures import LEAD_IN, record
-from ross_sim.study.room_settings import DISTANCE, SETTINGS, SPACING, SPEED_OF_SOUND, Setting
-from ross_sim.study.row_manifest import held
+from ross_sim.study.runs.row_manifest import held
+from ross_sim.study.scenes.exploration import render
+from ross_sim.study.scenes.mixtures import LEAD_IN, record
+from ross_sim.study.scenes.room_settings import DISTANCE, SETTINGS, SPACING, SPEED_OF_SOUND, Setting
 
 PEAK = 0.5  # of the loudest sample of a scene, re full scale
 UNIT, STEP_DEG, ORIENTATIONS = 3.0, 30.0, 7  # of a turn: [s], [deg]

@@ -72,7 +72,7 @@ class _Shown:
 
     def __init__(self, total: int) -> None:
         from ross_payload.clock import SystemClock
-        from ross_sim.study.study_run import view_of
+        from ross_sim.study.runs.study_run import view_of
         from ross_sim.unread_console import UnreadConsole
 
         self._view = view_of(UnreadConsole("the build"), total, 0, SystemClock().now)

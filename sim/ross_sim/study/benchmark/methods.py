@@ -22,10 +22,10 @@ from ross_payload.interfaces import Explorer, Real, Separator
 from ross_payload.plugin_checks import load_separator
 from ross_sim.study.benchmark.build_audio import MIXTURE, NOISE, PEAK, REFERENCE, SCENE, built, json_of, write_wav
 from ross_sim.study.benchmark.recordings import RATE
-from ross_sim.study.exploration import observed
-from ross_sim.study.mixtures import Mixture, scene_of
 from ross_sim.study.oracle_separators import ideal_ratio_mask
-from ross_sim.study.study_design import explorer_named
+from ross_sim.study.runs.study_design import explorer_named
+from ross_sim.study.scenes.exploration import observed
+from ross_sim.study.scenes.mixtures import Mixture, scene_of
 
 FRAME, EXPLORE_FRAME = 2048, 1024  # [samples], a quarter apart
 AZIMUTHS = "azimuths.json"

@@ -18,9 +18,9 @@ import numpy as np
 from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError, refused_as, unknown
 from ross_sim.study.benchmark.recordings import RATE, Recording
-from ross_sim.study.mixtures import aligned_heading, spread
-from ross_sim.study.room_settings import FAR, HIGH, LOW, NEAR, SETTINGS
-from ross_sim.study.row_files import as_csv, read_rows
+from ross_sim.study.rows.row_files import as_csv, read_rows
+from ross_sim.study.scenes.mixtures import aligned_heading, spread
+from ross_sim.study.scenes.room_settings import FAR, HIGH, LOW, NEAR, SETTINGS
 from ross_sim.study.script_errors import told_in_a_line
 
 HERE = Path(__file__).parent

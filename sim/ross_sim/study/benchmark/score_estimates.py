@@ -30,11 +30,11 @@ from ross_sim.study.benchmark.benchmark_rows import (
 )
 from ross_sim.study.benchmark.build_audio import MANIFEST, MIXTURE, REFERENCE, TRUTH, json_of
 from ross_sim.study.benchmark.methods import AZIMUTHS, HeardScene, Truth, scenes_of
-from ross_sim.study.exploration import matched
-from ross_sim.study.row_files import as_csv, read_rows
-from ross_sim.study.row_manifest import held
-from ross_sim.study.study_store import difference
-from ross_sim.study.tables import Table
+from ross_sim.study.rows.row_files import as_csv, read_rows
+from ross_sim.study.rows.tables import Table
+from ross_sim.study.runs.row_manifest import held
+from ross_sim.study.runs.study_store import difference
+from ross_sim.study.scenes.exploration import matched
 
 DIGITS = 3
 MOST_TALKERS = 20  # that an estimate may name

@@ -1,0 +1,1 @@
+"""What the models of the payload are trained on, and the steps of their training."""
