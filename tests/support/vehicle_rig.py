@@ -20,8 +20,16 @@ LATENCY = 0.02  # of the link, each way [s]
 class Bench:
     """A guarded driver, its far end, and what both have said."""
 
-    def __init__(self, kind: str = "ardupilot", *, latency: float = 0.0, wait: float = 1.5, **options: object) -> None:
-        body = YawDynamics(AIRFRAME)
+    def __init__(
+        self,
+        kind: str = "ardupilot",
+        *,
+        airframe: Airframe = AIRFRAME,
+        latency: float = 0.0,
+        wait: float = 1.5,
+        **options: object,
+    ) -> None:
+        body = YawDynamics(airframe)
         self.modes = Copter(body) if kind == "ardupilot" else Px4(body)
         self.far_end = VehicleFarEnd(self.modes, offboard=kind == "offboard", latency=latency)
         told = {"turn_vehicle": True, "px4_mode": "offboard" if kind == "offboard" else "hold"} | options

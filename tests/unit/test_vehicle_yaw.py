@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from examples import in_soak
+from ross_payload.actuators.vehicle_yaw.options import Options
 from ross_payload.errors import ActuatorFault, ConfigError
 from ross_protocols.mavlink import vehicle_control
 from ross_protocols.mavlink.codec import Decoder, Encoder
@@ -28,6 +29,7 @@ from ross_sim.autopilot.flying_autopilot import FlyingAutopilot
 from ross_sim.autopilot.yaw_dynamics import Wind, YawDynamics
 from ross_sim.clock import QUANTUM
 from ross_sim.devices.far_end import Fault
+from ross_sim.devices.vehicle_far_end import VehicleFarEnd
 from vehicle_rig import AIRFRAME, KINDS, LATENCY, Bench, in_a_turn
 
 pytestmark = pytest.mark.lockstep
@@ -54,6 +56,13 @@ def test_it_goes_to_headings_counted_counter_clockwise_from_north(kind):
         assert bench.yaw_deg == pytest.approx(goal, abs=1.0)
         assert math.degrees(bench.state.angle) == pytest.approx(bench.yaw_deg, abs=0.2)
     assert bench.far_end.complaints() == []
+
+
+def test_turned_gently_a_simulated_vehicle_follows():
+    """One that could do no more than the payload asks of it would be far behind, and taken for one that does not."""
+    asked = Options(turn_vehicle=True, max_acceleration_deg_s2=5.0)
+    bench = Bench(airframe=VehicleFarEnd.make(asked).modes.body.airframe, max_acceleration_deg_s2=5.0)
+    bench.turn(150.0, within=20.0)
 
 
 @pytest.mark.parametrize("kind", ["ardupilot", *in_soak("hold", "offboard")])

@@ -29,6 +29,7 @@ TREMBLE = math.radians(4)  # of a compass that is broken, standard deviation [ra
 TURN = math.radians(60)  # from where the vehicle points to where a ground station wants it [rad]
 TORQUE = math.radians(300)  # of propellers that are slow about the yaw axis, as an acceleration [rad/s^2]
 SPARE_SPEED, SPARE_ACCELERATION = 1.2, 1.1  # times what is asked of it can an airframe do
+LEAST_S = 1.0  # in which it reaches the speed that is asked of it, however gently it is to be turned
 FAULTS = OF_VEHICLES | {Fault.STALL, Fault.NOISY, Fault.SILENT, Fault.SATURATED, Fault.CORRUPT}
 
 
@@ -165,10 +166,17 @@ class VehicleFarEnd:
 
     @classmethod
     def make(cls, config: Options) -> VehicleFarEnd:
-        """Make a vehicle that can do a little more than the options ask for, pointing north: PX4 for Offboard."""
+        """Make a vehicle that can do a little more than the options ask for, pointing north: PX4 for Offboard.
+
+        Turned gently it is no weaker: the acceleration of an autopilot is not that of a payload's plan.
+        """
         speed, acceleration = math.radians(config.max_speed_deg_s), math.radians(config.max_acceleration_deg_s2)
         body = YawDynamics(
-            Airframe(SPARE_SPEED * speed, SPARE_ACCELERATION * acceleration, max(4 * acceleration, TORQUE))
+            Airframe(
+                SPARE_SPEED * speed,
+                max(SPARE_ACCELERATION * acceleration, speed / LEAST_S),
+                max(4 * acceleration, TORQUE),
+            )
         )
         if config.px4_mode == "offboard":
             return cls(Px4(body), offboard=True)
