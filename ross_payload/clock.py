@@ -43,6 +43,11 @@ def synchronised_time() -> float | None:
     return None if state in (-1, UNSYNCHRONISED) else time.time()
 
 
+def system_time() -> float:
+    """Return the UNIX time [s] that the kernel's clock shows, whether anybody keeps it right or not."""
+    return time.time()
+
+
 def suspended_time() -> float:
     """Return for how long this computer was suspended since it was switched on [s], which a `Clock` does not count."""
     boot_time = getattr(time, "CLOCK_BOOTTIME", None)  # of Linux

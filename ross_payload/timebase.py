@@ -68,6 +68,8 @@ class Timebase:
         Ours.
     system
         Tells the UNIX time [s] of the system's clock, None when that cannot be trusted.
+    unkept
+        Tells the UNIX time [s] of the system's clock also when nobody keeps it right: enough to confirm a date.
     system_id
         Of the vehicle; 0: that of the first autopilot.
 
@@ -78,9 +80,17 @@ class Timebase:
     False
     """
 
-    def __init__(self, clock: Clock, system: Callable[[], float | None] = lambda: None, *, system_id: int = 0) -> None:
+    def __init__(
+        self,
+        clock: Clock,
+        system: Callable[[], float | None] = lambda: None,
+        unkept: Callable[[], float | None] = lambda: None,
+        *,
+        system_id: int = 0,
+    ) -> None:
         self._clock = clock
         self._system = system
+        self._unkept = unkept
         self._autopilot = trusted_autopilot.TrustedAutopilot(system_id)
         self._component: Component | None = None
         self._answered = -math.inf  # when a request was answered last [s]
@@ -90,7 +100,8 @@ class Timebase:
         self._behind = False  # the latest one was from long before
         self._far: float | None = None  # its time since its start when the latest UNIX time was far ahead [s]
         self._epoch: float | None = None  # UNIX time at 0 of our clock [s]
-        self._told = False  # by the autopilot, which goes before the system
+        self._told: float | None = None  # since when by the autopilot [s], which goes before the system
+        self._doubted = False  # that nobody confirms it is in the log
         self._looked = -math.inf  # at the system's clock [s]
         self._earliest = math.inf  # of these, but for what was left by a leap more than a day ago [s]
         self._leapt: float | None = None  # since when the date is more than a day after the earliest one [s]
@@ -120,10 +131,13 @@ class Timebase:
             return self._utc()
 
     def sure_utc(self) -> datetime | None:
-        """Return the time of day; None also while the date has `leapt`, be it by this very look at a clock."""
+        """Return the time of day; None also while the date has `leapt`, be it by this very look at a clock.
+
+        And while nobody confirms one of the autopilot: the system's clock, or that it has stood for a day.
+        """
         with self._lock:
             now = self._utc()
-            return None if self.leapt else now
+            return None if now is None or self.leapt or not self._confirmed(now.timestamp()) else now
 
     @property
     def leapt(self) -> bool:
@@ -176,7 +190,7 @@ class Timebase:
             self._far = message.boot if known is not None and epoch - known > FAR_S else None
             if self._far is None or before not in (None, self._far):  # the same one may come over two links
                 with self._lock:
-                    self._told = True
+                    self._told = self._clock.now() if self._told is None else self._told
                     self._set(epoch)
 
     def _answer(self, request: TimeSync, received: ReceivedPacket) -> None:
@@ -217,6 +231,25 @@ class Timebase:
         elif now - self._leapt > FAR_S:
             self._earliest, self._leapt = epoch, None
 
+    def _confirmed(self, unix: float) -> bool:
+        """Tell whether a second clock, or a day, speaks for this date; say once in the log when none does."""
+        kept = self._system()
+        other = self._unkept() if kept is None else kept
+        if self._told is None or (other is not None and abs(unix - other) <= FAR_S):
+            self._doubted = False
+            return True
+        if kept is None and self._clock.now() - self._told > FAR_S:
+            return True
+        if not self._doubted:
+            self._doubted = True
+            days = "cannot be asked" if other is None else f"is {abs(unix - other) / FAR_S:.0f} days off"
+            log.warning(
+                "nobody confirms the date that the autopilot tells: the clock of this computer %s; "
+                "nothing recorded is taken for old by it",
+                days,
+            )
+        return False
+
     def _utc(self) -> datetime | None:
         epoch = self._since_1970()
         return None if epoch is None else datetime.fromtimestamp(self._clock.now() + epoch, UTC)
@@ -224,7 +257,7 @@ class Timebase:
     def _since_1970(self) -> float | None:
         """Return the UNIX time at 0 of our clock [s]; that of the system goes on while our clock is suspended."""
         now = self._clock.now()
-        if not self._told and (self._epoch is None or now - self._looked >= LOOK_PERIOD_S):
+        if self._told is None and (self._epoch is None or now - self._looked >= LOOK_PERIOD_S):
             system, self._looked = self._system(), now
             if system is not None:
                 self._set(system - now)

@@ -16,7 +16,7 @@ from ross_payload import __version__
 from ross_payload.actuators.mavlink_gimbal.component_port import opener
 from ross_payload.audio.open_source import open_source
 from ross_payload.bounded_files import set_aside
-from ross_payload.clock import RetryingOpener, SystemClock, synchronised_time
+from ross_payload.clock import RetryingOpener, SystemClock, synchronised_time, system_time
 from ross_payload.computing import computing
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
@@ -114,7 +114,7 @@ def _parts(
             log.warning(note)
         links = Router.open(config.links, clock, system_id=config.telemetry.system_id, state=state, patient=True)
         stack.enter_context(links)
-        timebase = Timebase(clock, synchronised_time, system_id=config.telemetry.system_id)
+        timebase = Timebase(clock, synchronised_time, system_time, system_id=config.telemetry.system_id)
         timebase.attach(links.component(config.telemetry.component_id))
         source = open_source(config, clock, SERVER_START_TIMEOUT_S)
         wires = RetryingOpener(opener(links, config.telemetry.component_id, clock), clock, SERVER_START_TIMEOUT_S)

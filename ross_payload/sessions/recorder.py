@@ -37,6 +37,10 @@ SHARED = (
     "recording.folder: another payload records into %s: max_gb and max_days hold for the sessions of both, the oldest "
     "of either are deleted; give each a folder of its own"
 )
+KEPT_OLD = (
+    "%d sessions look older than recording.max_days = %g by the clock of this computer, and stay: nobody confirms its "
+    "date, neither NTP nor an autopilot; max_gb holds, and ross sessions delete"
+)
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 Begin = Callable[[], Beginning | None]  # None while a task runs
@@ -73,7 +77,8 @@ class Recorder:
     stamp : Callable[[], str]
         The time as in ``20261121T145421Z``, empty when the clock is not set.
     today : Callable[[], str], optional
-        The same, by which sessions are too old, empty also while it is not sure; default: ``stamp``.
+        The same, by which sessions are too old, empty also while it is not sure; then the log says once that what
+        looks too old stays. Default: ``stamp``.
     """
 
     def __init__(
@@ -96,6 +101,7 @@ class Recorder:
         self._status = RecordingStatus()
         self._tidied_at: float | None = None  # on the clock of the Inputs [s], while nothing was recorded
         self._untidy: RecordingStatus | None = None  # what was told of the latest look that failed meanwhile
+        self._told_why = today is None  # it is in the log that too old sessions stay; a simulation has no date
         self._before = self._status  # and what was told before it
 
     def record(self, on: bool) -> str:
@@ -210,7 +216,7 @@ class Recorder:
     def _tidy(self) -> None:
         """Delete what is too old or too much while nothing is recorded."""
         try:
-            self._store.tidy(self._limits, stamp=self._today())
+            self._tidied()
         except (OSError, RossError) as error:
             if self._status is not self._untidy:
                 self._before = self._status
@@ -218,6 +224,16 @@ class Recorder:
         else:
             if self._status is self._untidy:  # of a recording that has failed it is told on
                 self._status = self._before
+
+    def _tidied(self, running: Path | None = None) -> str:
+        """Delete what is too old or too much; return why ``running`` must stop, or ''."""
+        today = self._today()
+        why = self._store.tidy(self._limits, running, today)
+        if not today and not self._told_why:
+            self._told_why = True
+            if count := self._store.doubtful(self._limits):
+                log.warning(KEPT_OLD, count, self._limits.max_days)
+        return why
 
     def _put(self, recording: OngoingRecording, job: Callable[[OngoingRecording], None]) -> None:
         self._queue.put(partial(self._guarded, recording, job))
@@ -263,7 +279,7 @@ class Recorder:
             self._end(recording, "the audio file is full")
         elif writer.seconds - recording.tidied >= TIDY_PERIOD_S:
             recording.tidied = writer.seconds
-            why = self._store.tidy(self._limits, writer.folder, self._today())
+            why = self._tidied(writer.folder)
             self._status = replace(self._status, seconds=writer.seconds, free_gb=self._store.free() / GB)
             if why:
                 self._fail(recording, RecordingState.FULL, why)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import fcntl
+import math
 import os
 import re
 import shutil
 import stat
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -36,7 +37,6 @@ ASIDE = "unreadable"  # in the name of a session.json that was set aside
 LOCKED = "inputs.jsonl"  # its writer holds a lock on it, which the kernel takes back when the process dies
 GB = 1e9  # [bytes]
 DAY = 86_400.0  # [s]
-SET = 1_577_836_800.0  # [s] since 1970: a file that is older than 2020 comes from a clock that was not set
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,9 +138,8 @@ class SessionStore:
     def tidy(self, limits: config.Recording, running: Path | None = None, stamp: str = "") -> str:
         """Delete what is too old or too much, the oldest first; return why ``running`` must stop, or ''.
 
-        By a clock that is trusted the age of a session counts from the time in its name; the days of one that began
-        without such a clock, or while it was far ahead, begin now. Else that of its files counts: both are told by the
-        same clock.
+        The age of a session counts from the time in its name; the days of one that began without a clock that is
+        trusted, or while it was far ahead, begin now. Without such a clock nothing is too old.
 
         Parameters
         ----------
@@ -162,15 +161,9 @@ class SessionStore:
             if not _is_folder(self.folder):
                 return ""
         now, kept = _time(stamp), list(self.all())
-        undated: list[StoredSession] = []
-        if now is None:
-            now = _now(self.folder)
-            old = [one for one in kept if one.modified > SET and now - one.modified > limits.max_days * DAY]
-        else:
-            starts = [(one, _start_time(one, now)) for one in kept if not one.running]
-            undated = [one for one, start in starts if start is None]
-            old = [one for one, start in starts if start is not None and now - start > limits.max_days * DAY]
-        for session in [one for one in old if not one.running]:
+        starts = [] if now is None else [(one, _start_time(one, now)) for one in kept if not one.running]
+        undated = [one for one, start in starts if start is None]
+        for session in _older(starts, now, limits):
             kept.remove(session)
             self.delete(session)
         why = self._too_much(kept, limits, running)
@@ -179,6 +172,21 @@ class SessionStore:
         for path in waiting[:DATED_AT_ONCE]:  # at last: now a full disk has room
             _date(path, stamp)
         return why
+
+    def doubtful(self, limits: config.Recording) -> int:
+        """Count the sessions that are too old if the clock of this computer is right, by name or files.
+
+        Raises
+        ------
+        OSError
+            When nothing can be written there.
+        """
+        kept = [one for one in self.all() if not one.running]
+        if not kept:
+            return 0
+        now = _now(self.folder)
+        starts = [(one, _start_time(one, now) or one.modified) for one in kept]
+        return len(_older(starts, now, limits))
 
     def _too_much(self, kept: list[StoredSession], limits: config.Recording, running: Path | None) -> str:
         """Delete the oldest of these while they are too much, also from the list; return why ``running`` must stop."""
@@ -267,6 +275,14 @@ def _is_ended(folder: Path) -> bool:
         return manifest.read(folder).end is not None
     except ConfigError:
         return False
+
+
+def _older(
+    starts: Sequence[tuple[StoredSession, float | None]], now: float | None, limits: config.Recording
+) -> list[StoredSession]:
+    """Return which of these began more than ``max_days`` ago; none while ``now`` is not known."""
+    oldest = -math.inf if now is None else now - limits.max_days * DAY
+    return [one for one, start in starts if start is not None and start < oldest]
 
 
 def _start_time(session: StoredSession, now: float) -> float | None:

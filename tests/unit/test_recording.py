@@ -198,6 +198,18 @@ def test_a_date_that_is_not_sure_names_sessions_and_deletes_none(tmp_path):
     assert [path.name for path in sorted(tmp_path.iterdir())] == ["0001-20261001T120000Z", "0002-20371001T120000Z"]
 
 
+def test_the_log_says_once_that_what_looks_too_old_stays(tmp_path, caplog):
+    record(tmp_path, [input_of(k) for k in range(60)])
+    (tmp_path / "0001").rename(tmp_path / "0001-20200101T120000Z")
+    limits = configured(max_days=30).recording
+    with Recorder(SessionStore(tmp_path), limits, beginning, today=lambda: "") as recorder:
+        for index in (0, 360_001):
+            recorder.on_input(input_of(index))
+            recorder.drain()
+    assert len(caplog.messages) == 1
+    assert "1 sessions look older than recording.max_days = 30 by the clock of this computer, and stay" in caplog.text
+
+
 def test_a_folder_that_could_not_be_read_for_a_while_is_told_until_it_can(tmp_path):
     folder = tmp_path / "all"
     limits = configured(always=False).recording

@@ -66,10 +66,21 @@ def test_the_oldest_sessions_go_first(store):
 
 
 def test_sessions_that_are_too_old_go(store):
+    for stamp in ("20261020T120000Z", "20261031T120000Z", "20261029T120000Z", "20261129T120000Z"):
+        SessionWriter(store.add(stamp), BEGINNING, "").finish("done")
+    store.tidy(limits(max_days=30), stamp="20261129T120000Z")
+    assert names(store) == ["0002-20261031T120000Z", "0004-20261129T120000Z"]
+
+
+def test_by_a_clock_that_nobody_confirms_sessions_look_old_and_stay(store):
+    """That of a computer without a network may be years ahead: with it all recordings were deleted."""
+    assert store.doubtful(limits(max_days=30)) == 0
     for age in (40, 29, 31, 0):
         fill(store, age=age)
+    SessionWriter(store.add("20200101T120000Z"), BEGINNING, "").finish("done")
     store.tidy(limits(max_days=30))
-    assert names(store) == ["0002", "0004"]
+    assert len(names(store)) == 5
+    assert store.doubtful(limits(max_days=30)) == 3
 
 
 def test_a_session_from_a_clock_that_was_not_set_is_not_too_old(store):

@@ -214,6 +214,42 @@ def test_the_first_look_at_a_date_that_has_leapt_does_not_take_it_for_sure():
     assert timebase.utc() is not None
 
 
+@pytest.mark.parametrize("ahead", [0.0, 3600.0, -3600.0])
+def test_a_date_that_the_clock_of_the_computer_confirms_is_sure_at_once(bench, ahead):
+    clock, voice, _ = bench
+    timebase = Timebase(clock, unkept=lambda: UNIX + clock.now() + ahead)
+    timebase.attach(voice)
+    assert timebase.sure_utc() is timebase.utc() is None
+    voice.call(Heard(vehicle.system_time(SystemTime(boot=clock.now(), unix=UNIX + clock.now()))))
+    assert timebase.sure_utc() == timebase.utc() is not None
+
+
+@pytest.mark.parametrize("computer", [lambda: UNIX, lambda: UNIX + 2e8, lambda: None])
+def test_a_date_that_nobody_confirms_is_sure_when_it_has_stood_for_a_day(bench, caplog, computer):
+    """It may be wrong from the start, as that of a satellite receiver that is misled; recordings were deleted by it."""
+    clock, voice, _ = bench
+    timebase = Timebase(clock, unkept=computer)
+    timebase.attach(voice)
+    for wait, sure in ((1.0, False), (80_000.0, False), (6_500.0, True)):
+        clock.sleep(wait)
+        voice.call(Heard(vehicle.system_time(SystemTime(boot=clock.now(), unix=UNIX + 1e8 + clock.now()))))
+        assert (timebase.sure_utc() is not None) is sure
+        assert timebase.utc() is not None
+    assert caplog.text.count("nobody confirms the date that the autopilot tells") == 1
+
+
+def test_a_date_against_that_of_the_network_never_deletes_anything(bench):
+    clock, voice, _ = bench
+    timebase = Timebase(clock, lambda: UNIX + clock.now())
+    timebase.attach(voice)
+    for wait in (1.0, 100_000.0, 100_000.0):
+        clock.sleep(wait)
+        for _ in range(2):  # a single one far ahead is not taken
+            clock.sleep(1.0)
+            voice.call(Heard(vehicle.system_time(SystemTime(boot=clock.now(), unix=UNIX + 1e8 + clock.now()))))
+        assert timebase.sure_utc() is None is not timebase.utc()
+
+
 def test_a_small_difference_is_worked_off_and_not_jumped(bench):
     _, voice, timebase = bench
     voice.call(Heard(vehicle.system_time(SystemTime(boot=1.0, unix=UNIX))))
