@@ -147,6 +147,18 @@ def test_a_fault_while_nothing_turned_is_over_a_second_after_its_cause(bench, fi
     assert bench.over(2).answer is Answer.DONE
 
 
+def test_a_fault_that_lasts_is_told_once_and_another_one_again(bench):
+    """An idle actuator that was unplugged was told with every hop, a hundred times in a second."""
+    bench.hop()
+    for hop in range(50, 90):
+        bench.fault = f"no report for {hop / 100:.2f} s"
+        bench.hop()
+    for bench.fault in ("node 5: fault 0x2310", "node 5: fault 0x3210"):
+        hops(bench, 3)
+    told = [e.detail for e in bench.events if isinstance(e, StateChanged) and e.state is State.FAULT]
+    assert told == ["no report for 0.50 s", "node 5: fault 0x2310", "node 5: fault 0x3210"]
+
+
 def test_a_fault_that_comes_and_goes_is_not_over_between(bench):
     for _ in range(6):
         bench.fault = "no report for 0.5 s"
