@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import signal
 import socket
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, wait
 from contextlib import contextmanager
@@ -24,6 +25,7 @@ T = TypeVar("T")
 SIGNAL_LATENCY_S = 0.1  # [s] within which a signal is heard, whichever thread the system gave it to
 SEND_TIMEOUT_S = 0.1  # [s] that a full socket of the manager may hold us up
 PINGS = 4  # in one period of the manager's watchdog: three may be late
+PASSED_ON_S = 2.0  # within this, signals to end mean one: a script that passes it on first waits for what else it runs
 MISSION = "mission"  # its mark in `Watchdog`
 
 
@@ -104,6 +106,10 @@ class Watchdog:
         now = self._clock.now()
         return tuple(name for name, limit in self._limits.items() if now - self._marks[name] > limit)
 
+    def silent(self, name: str) -> float:
+        """Return for how long ``name`` has made no progress [s]."""
+        return self._clock.now() - self._marks[name]
+
     def poll(self) -> None:
         """Ping, or say who is late."""
         late = self.late()
@@ -152,6 +158,20 @@ def on_signal(call: Callable[[str], object]) -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def beside(call: Callable[[], T], name: str) -> Future[T]:
+    """Call on a thread of its own, which dies with the process; return where the result will be."""
+    future: Future[T] = Future()
+
+    def perform() -> None:
+        try:
+            future.set_result(call())
+        except BaseException as error:  # whoever waits for the result handles it
+            future.set_exception(error)
+
+    threading.Thread(target=perform, name=name, daemon=True).start()
+    return future
 
 
 def hearing_signals(future: Future[T]) -> T:

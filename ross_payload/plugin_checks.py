@@ -24,6 +24,7 @@ from ross_payload.interfaces import (
     Separator,
     TurningExplorer,
 )
+from ross_payload.plugin_calls import called
 from ross_payload.plugin_results import MOST_TEXT, estimate_of, groups_of, observation_of
 
 T = TypeVar("T")
@@ -228,7 +229,7 @@ def _expect_methods(who: str, plugin: Any, methods: dict[str, tuple[str, ...]]) 
 def _called(who: str, method: str, call: Callable[[], T]) -> T:
     """Call a plug-in; whatever it raises becomes one line."""
     try:
-        return call()
+        return called(who, method, call)
     except RossError as error:  # one line already
         raise PluginError(f"{who}: {error}") from error
     except PLUGIN_RAISES as error:  # of others: it may raise anything

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ross_payload.errors import PLUGIN_RAISES, PluginError, unknown
+from ross_payload.plugin_calls import called
 
 
 def available(group: str) -> Mapping[str, EntryPoint]:
@@ -44,7 +45,7 @@ def load(group: str, name: str) -> Any:
         found = " and ".join(f"{value} of {_package(point)}" for value, point in sorted(named.items()))
         raise PluginError(f"{kind} '{name}': expected one of that name, got {found}: rename or uninstall one")
     try:
-        return points[name].load()
+        return called(f"plug-in '{name}'", "import", points[name].load)
     except ModuleNotFoundError as error:
         raise PluginError(_missing(name, error)) from error
     except PLUGIN_RAISES as error:  # a broken plug-in must not take the others with it

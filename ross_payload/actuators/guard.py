@@ -38,6 +38,7 @@ from ross_payload.errors import (
     TimeStandsStill,
 )
 from ross_payload.interfaces import Actuator, ActuatorState, Capabilities, Clock, SharedControl
+from ross_payload.plugin_calls import called
 
 TURNS_ON, UNKNOWN = "and it still turns after the stop", "and nobody knows whether it stands"
 log = logging.getLogger(__name__)
@@ -54,6 +55,8 @@ class Guard:
         Limits, caps and the fault action.
     clock : Clock
         Tells how old a report is.
+    who : str
+        The actuator in words, where a call of its driver does not return.
 
     Raises
     ------
@@ -62,8 +65,9 @@ class Guard:
         accelerates beyond the cap.
     """
 
-    def __init__(self, actuator: Actuator, rules: config.Guard, clock: Clock) -> None:
+    def __init__(self, actuator: Actuator, rules: config.Guard, clock: Clock, who: str = "actuator") -> None:
         self._actuator = actuator
+        self._who = who
         self._rules = rules
         self._clock = clock
         self._hardware: Capabilities | None = actuator.capabilities
@@ -181,7 +185,7 @@ class Guard:
         self._refuse_when_stopped()
         self._monitor.expect_homing()
         self._held = True
-        self._request(self._actuator.home)
+        self._request("home", self._actuator.home)
         self._zero_doubted = False
         if self._stopped:
             self._halt()
@@ -189,7 +193,7 @@ class Guard:
 
     def release(self) -> None:
         """Remove the torque."""
-        self._request(self._actuator.release)
+        self._request("release", self._actuator.release)
         self._monitor.forget()
 
     def poll(self, now: float) -> None:
@@ -216,7 +220,7 @@ class Guard:
             When its driver raises what no driver should.
         """
         with driver_faults():
-            self._actuator.__enter__()
+            called(self._who, "__enter__", self._actuator.__enter__)
         self._monitor.opened = self._clock.now()
         self._update_limits()
         if self._unfit:
@@ -232,7 +236,7 @@ class Guard:
         self._monitor.forget()
         try:
             with driver_faults(TimeStandsStill):
-                self._actuator.__exit__(kind, error, trace)
+                called(self._who, "__exit__", lambda: self._actuator.__exit__(kind, error, trace))
         except RossError as fault:
             if error is None:
                 raise
@@ -251,14 +255,14 @@ class Guard:
 
     def _go(self, goal: float, rate: float, here: float) -> None:
         self._held = True
-        self._request(lambda: self._actuator.command(goal, rate))
+        self._request("command", lambda: self._actuator.command(goal, rate))
         self._monitor.expect_goal(goal, here, self.capabilities)
 
-    def _request(self, request: Callable[[], None]) -> None:
+    def _request(self, method: str, request: Callable[[], None]) -> None:
         """Send a request so that no report made before it is taken for its answer."""
         self._monitor.expect_request()
         try:
-            request()
+            called(self._who, method, request)
         except ActuatorError:
             self._monitor.request_refused(self._clock.now())
             raise
@@ -280,7 +284,7 @@ class Guard:
     def _halt(self, *, others: bool = False) -> None:
         """Decelerate, also what ``others`` turn; never raises: a stop that fails is a fault; `poll` tries it again."""
         try:
-            self._actuator.stop()  # before anything else is asked of the driver: it may never answer
+            called(self._who, "stop", self._actuator.stop)  # before anything else is asked of it: it may never answer
         except PLUGIN_RAISES as error:
             self._fail("stop", error)
         if self._shared is not None and (others or self._unbraked):
@@ -297,7 +301,7 @@ class Guard:
 
     def _read(self) -> ActuatorState:
         try:
-            return reported(self._actuator.state())
+            return reported(called(self._who, "state", self._actuator.state))
         except PLUGIN_RAISES as error:
             return ActuatorState(0.0, 0.0, False, homed=False, healthy=False, time=-math.inf, fault=driver_broke(error))
 
@@ -321,9 +325,9 @@ class Guard:
     def _polled(self, now: float) -> str:
         """Poll the actuator; say what is wrong while something moves or holds a goal; empty when all is well."""
         try:
-            self._actuator.poll(now)
+            called(self._who, "poll", lambda: self._actuator.poll(now))
             self._update_limits()
-            state = reported(self._actuator.state())
+            state = reported(called(self._who, "state", self._actuator.state))
         except RossError as error:
             return str(error)
         except PLUGIN_RAISES as error:  # a bug in a driver must not end its polling: it may still be able to decelerate

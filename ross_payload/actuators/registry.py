@@ -15,6 +15,7 @@ from ross_payload import config, plugins
 from ross_payload.actuators.guard import Guard
 from ross_payload.errors import PLUGIN_RAISES, ConfigError, PluginError, RossError
 from ross_payload.interfaces import Actuator, Backend, Capabilities, Services
+from ross_payload.plugin_calls import called
 
 GROUP = "ross_payload.actuators"
 ROUNDING_DEG = 1e-6  # of a travel that is told in radians
@@ -44,7 +45,8 @@ def open_actuator(settings: config.Config, services: Services) -> Guard:
     kind = settings.actuator.kind
     backend, options = _backend(kind), checked_options(settings)
     try:
-        guard = Guard(_whole(kind, backend.open(options, services)), settings.guard, services.clock)
+        opened = called(f"actuator '{kind}'", "open", lambda: backend.open(options, services))
+        guard = Guard(_whole(kind, opened), settings.guard, services.clock, f"actuator '{kind}'")
     except RossError:
         raise
     except PLUGIN_RAISES as error:  # of a plug-in: it may raise anything

@@ -10,6 +10,7 @@ import numpy as np
 from ross_payload.audio.live_source import SourceStatus, Watched
 from ross_payload.errors import PLUGIN_RAISES, AudioError, PluginError, RossError
 from ross_payload.interfaces import AudioBlock, AudioSource
+from ross_payload.plugin_calls import called
 
 SOURCE_METHODS = ("read", "__enter__", "__exit__")
 BACK_S = 0.001  # by which the time of a block may lie before that of the last one: clocks are corrected
@@ -55,7 +56,7 @@ class CheckedSource:
         if not self._is_open:
             raise AudioError(f"{self._who} is not open")
         try:
-            block = self._source.read(n)
+            block = called(self._who, "read", lambda: self._source.read(n))
         except RossError:
             raise
         except PLUGIN_RAISES as error:  # of others: it may raise anything
@@ -71,7 +72,7 @@ class CheckedSource:
         if not isinstance(self._source, Watched):
             return SourceStatus()
         try:
-            status: Any = self._source.status()
+            status: Any = called(self._who, "status", self._source.status)
         except PLUGIN_RAISES as error:  # of others: it may raise anything, and the pump asks
             return SourceStatus(trouble=f"{self._who}: status raised {_text(error)}")
         if not isinstance(status, SourceStatus):
@@ -89,7 +90,7 @@ class CheckedSource:
         if self._was_open:
             raise AudioError(f"{self._who} can be opened only once")
         try:
-            self._source.__enter__()
+            called(self._who, "__enter__", self._source.__enter__)
         except RossError:
             raise
         except PLUGIN_RAISES as error:  # of others: it may raise anything
@@ -101,7 +102,7 @@ class CheckedSource:
         """Close the source; idempotent."""
         if self._is_open:
             self._is_open = False
-            self._source.__exit__(None, None, None)
+            called(self._who, "__exit__", lambda: self._source.__exit__(None, None, None))
 
     def _fault(self, block: Any, n: int) -> str:
         """What is wrong with a block, in words; empty when nothing is."""

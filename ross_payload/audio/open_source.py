@@ -18,6 +18,7 @@ from ross_payload.clock import RetryingOpener
 from ross_payload.config import Audio, Config
 from ross_payload.errors import PLUGIN_RAISES, PluginError, RossError, near, shown
 from ross_payload.interfaces import AudioSource, Clock
+from ross_payload.plugin_calls import called
 
 GROUP = "ross_payload.audio_sources"
 
@@ -72,7 +73,7 @@ def open_source(config: Config, clock: Clock, timeout: float = 0.0) -> CheckedSo
     plugin = load_source(name)
     services = SourceServices(clock, audio, ChannelMap.of(audio), timeout)
     try:
-        source = plugin(address, services)
+        source = called(f"audio source '{name}'", "open", lambda: plugin(address, services))
     except RossError:
         raise
     except PLUGIN_RAISES as error:  # of others: it may raise anything

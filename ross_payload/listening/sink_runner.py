@@ -6,12 +6,14 @@ import logging
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from queue import Empty, Full, Queue
 from typing import Protocol
 
 from ross_payload.audio.sinks import SinkInfo, info_of
 from ross_payload.errors import PLUGIN_RAISES, RossError
 from ross_payload.interfaces import AudioSink, Clock, VoiceBlock
+from ross_payload.plugin_calls import called
 
 RETRY_S = 2.0  # between two attempts to open a sink
 BLOCKS = 128  # that wait for a sink which hangs: about 2 s
@@ -94,7 +96,7 @@ class DirectRunner:
         self._due = now + RETRY_S
         try:
             sink = self._make()
-            sink.__enter__()
+            called(self._name, "__enter__", sink.__enter__)
             self._sink = sink
             self._look(sink)
         except PLUGIN_RAISES as error:  # of others: a plug-in may raise anything
@@ -108,7 +110,7 @@ class DirectRunner:
             self._lost += len(block.samples)
             return
         try:
-            self._sink.write(block)
+            called(self._name, "write", partial(self._sink.write, block))
             self._look(self._sink)
         except PLUGIN_RAISES as error:  # of others: it may raise anything
             self._lost += len(block.samples)
@@ -128,7 +130,7 @@ class DirectRunner:
         if sink is None:
             return
         try:
-            sink.__exit__(None, None, None)
+            called(self._name, "__exit__", partial(sink.__exit__, None, None, None))
             self._lost += _lost_by(sink)
             self._look(sink)
         except PLUGIN_RAISES as error:  # of others: it may raise anything

@@ -40,9 +40,11 @@ def replay(*, session: Path, out: Path | None, file: Path | None, settings: tupl
     """
     import json
 
+    from ross_payload.plugin_calls import telling_late_calls
     from ross_payload.service.replay import in_words, perform
 
-    values = perform(session, out, file, settings)
+    with telling_late_calls():
+        values = perform(session, out, file, settings)
     if as_json:
         click.echo(json.dumps(values, indent=2, allow_nan=False))
     else:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import logging
 import sys
 import threading
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from datetime import datetime
+from functools import partial
 
 import numpy as np
 
@@ -27,8 +27,9 @@ from ross_payload.interfaces import Input, VoicePrint
 from ross_payload.logs import LogObserver, logging_to
 from ross_payload.mavlink import Router
 from ross_payload.mount import mount_of
-from ross_payload.notify import MISSION, Manager, Watchdog, hearing_signals, on_signal
+from ross_payload.notify import MISSION, PASSED_ON_S, Manager, Watchdog, beside, hearing_signals, on_signal
 from ross_payload.orders import Shutdown, Stop
+from ross_payload.plugin_calls import LateCalls, telling_late_calls
 from ross_payload.service.check import check_settable
 from ross_payload.service.payload import POLL_PERIOD_S, Parts, assembled
 from ross_payload.service.runner import Runner
@@ -61,6 +62,7 @@ def live(config: Config) -> int:
     """
     with ExitStack() as stack:
         stack.enter_context(logging_to(sys.stderr, config.service.log_level, config.service.log_format))
+        calls = stack.enter_context(telling_late_calls())
         stack.enter_context(owned(state_folder(config)))
         stack.enter_context(computing(threads=1))  # the mission has a thread of its own
         sys.setswitchinterval(SWITCH_INTERVAL_S)
@@ -69,7 +71,7 @@ def live(config: Config) -> int:
         latch = StopLatch.of(state_folder(config))
         stack.callback(latch.close)
         again = threading.Event()  # somebody has asked for a restart; asked on the pump, read when all is over
-        parts = stack.enter_context(_parts(config, clock, latch, watchdog, again))
+        parts = stack.enter_context(_parts(config, clock, latch, partial(_late, watchdog, calls), again))
         pumping = Pumping(clock)
         runner = stack.enter_context(assembled(parts, (LogObserver(), watchdog, pumping)))
         stack.callback(clock.every(POLL_PERIOD_S, lambda: pumping.poll(runner)))
@@ -78,7 +80,7 @@ def live(config: Config) -> int:
             stack.callback(cancel)
         log.info("ross %s: %s on %s", __version__, config.actuator.kind, config.audio.source)
         manager.ready("idle")
-        _run(runner, manager)
+        _run(runner, manager, watchdog)
     return AGAIN if again.is_set() else 0
 
 
@@ -105,7 +107,7 @@ class Pumping:
 
 @contextmanager
 def _parts(
-    config: Config, clock: SystemClock, latch: StopLatch, watchdog: Watchdog, again: threading.Event
+    config: Config, clock: SystemClock, latch: StopLatch, late: Callable[[], tuple[str, ...]], again: threading.Event
 ) -> Iterator[Parts]:
     state = state_folder(config)
     with ExitStack() as stack:
@@ -138,12 +140,18 @@ def _parts(
             state=state,
             computer=ComputerReader(store.folder),
             live=True,
-            late=watchdog.late,
+            late=late,
             restart=again.set,
             ended=lambda: not again.is_set(),
             stamp=lambda: _stamp(timebase.utc()),
             today=lambda: _stamp(timebase.sure_utc()),
         )
+
+
+def _late(watchdog: Watchdog, calls: LateCalls) -> tuple[str, ...]:
+    """Return who makes no progress, and what it may be waiting for."""
+    late = watchdog.late()
+    return late + calls.in_words() if late else ()
 
 
 def _stamp(now: datetime | None) -> str:
@@ -164,19 +172,30 @@ def _enrolled(config: Config) -> VoicePrint | None:
     return voice
 
 
-def _run(runner: Runner, manager: Manager) -> None:
+def _run(runner: Runner, manager: Manager, watchdog: Watchdog) -> None:
     """Run the mission on a thread of its own, so that this one hears signals at once, whatever is computed.
 
     Ctrl-C and SIGTERM are an orderly shutdown: the motor decelerates before anything else.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        When a signal comes again and the mission has heard nothing for `PASSED_ON_S`: it may never hear of the first,
+        for a plug-in computes for ever, and its thread ends with the process.
     """
+    asked = False
 
     def shut_down(name: str) -> None:
+        nonlocal asked
+        if asked and watchdog.silent(MISSION) > PASSED_ON_S:
+            raise KeyboardInterrupt
+        asked = True
         runner.order(Shutdown())
         manager.stopping(name)
 
-    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="mission") as mission, on_signal(shut_down):
+    with on_signal(shut_down):
         try:
-            result = hearing_signals(mission.submit(runner.run))
+            result = hearing_signals(beside(runner.run, MISSION))
         except AudioEnded as ended:
             log.info("%s", ended)
         except OSError as error:  # nobody's input any more

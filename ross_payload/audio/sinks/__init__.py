@@ -16,6 +16,7 @@ from ross_payload import plugins
 from ross_payload.config.table import Table, validated
 from ross_payload.errors import PLUGIN_RAISES, PluginError, RossError
 from ross_payload.interfaces import AudioSink, Clock
+from ross_payload.plugin_calls import called
 
 GROUP = "ross_payload.sinks"
 SINK_METHODS = ("write", "__enter__", "__exit__")
@@ -99,7 +100,8 @@ def make_sink(kind: str, config: Table, services: SinkServices) -> AudioSink:
         When it is unknown or broken.
     """
     try:
-        sink = load_sink(kind).open(config, services)
+        plugin = load_sink(kind)
+        sink = called(f"sink '{kind}'", "open", lambda: plugin.open(config, services))
     except RossError:
         raise
     except PLUGIN_RAISES as error:  # of others: it may raise anything

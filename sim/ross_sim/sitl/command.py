@@ -91,10 +91,11 @@ def command(
     """Run the whole mission in a simulated room, with the real drivers on simulated wires."""
     from contextlib import nullcontext
 
+    from ross_payload.plugin_calls import telling_late_calls
     from ross_sim.sitl.page_observer import page_observer
 
     kept = _kept(record) if serving else record
-    with page_observer(out, kept) if page else nullcontext() as looking:
+    with telling_late_calls(), page_observer(out, kept) if page else nullcontext() as looking:
         if looking is not None:
             click.echo(f"the page: {looking.url}", err=as_json)
         changes["listen"] = listen

@@ -10,11 +10,9 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
-from concurrent.futures import Future
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from threading import Thread
 from typing import Self
 
 import numpy as np
@@ -26,10 +24,10 @@ from ross_payload.computing import computing
 from ross_payload.config import Config, Link
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.dronecan.shared_bus import SharedBuses
-from ross_payload.interfaces import Clock, Input, Port, Result
+from ross_payload.interfaces import Clock, Input, Port
 from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
-from ross_payload.notify import hearing_signals, on_signal
+from ross_payload.notify import MISSION, PASSED_ON_S, beside, hearing_signals, on_signal
 from ross_payload.orders import Shutdown
 from ross_payload.service.check import check_settable
 from ross_payload.service.live import SWITCH_INTERVAL_S
@@ -53,7 +51,6 @@ from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import TalkerSelection
 from ross_sim.sitl.world import World
 
-PASSED_ON_S = 2.0  # within this, signals to end mean one: a script that passes it on first waits for what else it runs
 GROUND_STATION = "udpout:127.0.0.1:14550"  # where ground stations listen, `ross ground` and `ross monitor` among them
 
 
@@ -113,18 +110,8 @@ def _run(runner: Runner) -> None:
     KeyboardInterrupt
         When a signal comes later, before the payload has shut down; its thread ends with the process then.
     """
-    mission: Future[Result] = Future()
-
-    def perform() -> None:
-        try:
-            mission.set_result(runner.run())
-        except BaseException as error:  # the main thread's to handle
-            mission.set_exception(error)
-
-    thread = Thread(target=perform, name="mission", daemon=True)
     with on_signal(stopping(runner, SystemClock(), Shutdown(), PASSED_ON_S)):
-        thread.start()
-        hearing_signals(mission)
+        hearing_signals(beside(runner.run, MISSION))
 
 
 class MissionProgress(MissionView):

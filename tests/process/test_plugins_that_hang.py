@@ -1,0 +1,96 @@
+"""Plug-ins whose calls never return: they are named."""
+
+import signal
+import sys
+import time
+
+import pytest
+
+import waiting
+from processes import program
+
+SOON = """
+import sys
+from ross_payload import cli, plugin_calls
+plugin_calls.LOOK_S = 0.05
+sys.argv[0] = "ross"
+cli.main()
+"""
+PLUGIN = """
+import threading, time
+
+def forever(*arguments):
+    while True:
+        time.sleep(0.01)
+
+class Separator:
+    name = "theirs"
+
+    def batch(self, spectrogram, scene):
+        {batch}
+
+def source(address, services):
+    return Source()
+
+class Source:
+    rate = 16000
+
+    def read(self, n):
+        forever()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        pass
+"""
+POINTS = "[ross_payload.separators]\ntheirs = theirs:Separator\n[ross_payload.audio_sources]\ntheirs = theirs:source\n"
+CONFIG = """
+[audio]
+source = "theirs:here"
+[actuator]
+kind = "tb6600"
+[service]
+state_dir = "state"
+"""
+
+
+@pytest.fixture
+def their(tmp_path, monkeypatch):
+    """Install the plug-in into a folder; return it, with the command line, which is impatient."""
+
+    def install(batch="forever()"):
+        (tmp_path / "theirs.py").write_text(PLUGIN.replace("{batch}", batch))
+        info = tmp_path / "theirs-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: theirs\nVersion: 1.0\n")
+        (info / "entry_points.txt").write_text(POINTS.replace("theirs:Separator", "theirs:Separator.made"))
+        with (tmp_path / "theirs.py").open("a") as file:
+            file.write("Separator.made = Separator()\n")
+        return [sys.executable, "-c", SOON]
+
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    return install
+
+
+def test_a_separator_that_never_returns_is_named(their, tmp_path):
+    with program([*their(), "sitl", "--json", "--informed", "-p", "theirs"], tmp_path, code=130, lives=False) as (
+        process,
+        log,
+    ):
+        waiting.wait_for(lambda: "separator 'theirs': batch has not returned for" in log.read_text())
+        for _ in range(2):  # the first one is an order to the mission, which hears nothing
+            process.send_signal(signal.SIGINT)
+            time.sleep(0.5)
+        process.wait(10)
+
+
+def test_a_source_that_never_returns_is_named_and_a_second_signal_ends_the_payload(their, tmp_path):
+    (tmp_path / "ross.toml").write_text(CONFIG)
+    with program([*their(), "run", "ross.toml"], tmp_path, code=130, lives=False) as (process, log):
+        waiting.wait_for(lambda: "audio source 'theirs': read has not returned for" in log.read_text())
+        process.terminate()
+        time.sleep(2.5)
+        assert process.poll() is None
+        process.terminate()
+        process.wait(20)
