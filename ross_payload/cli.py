@@ -15,11 +15,11 @@ from ross_payload import __version__, plugins
 from ross_payload.bounded_files import printable
 from ross_payload.end_signals import Interrupter, end_signals
 from ross_payload.errors import UNWRITABLE, ActuatorError, OutputError, PluginError, RossError, near, reason
+from ross_payload.program_end import STANDARD_ERROR, ending
 
 COMMANDS = "ross_payload.commands"
 LONGEST = 1500  # line about a mistake [characters]: a file may hold a name of a megabyte
 OF_UNIX = ("fcntl", "grp", "pty", "pwd", "resource", "termios", "tty")  # modules that Python lacks elsewhere
-STANDARD_ERROR = 2  # its descriptor
 EXIT_CODES = "Exit codes: 0 target found, 3 no target, 2 bad input, 1 fault, 130 stopped by the user."
 
 
@@ -132,40 +132,44 @@ def main() -> None:
     for number in end_signals():  # the same clean end as Ctrl-C, also while setting up
         signal.signal(number, interrupter)
     _occupy_closed_streams()
+    code, why = 1, ""
     try:
-        code = ross.main(standalone_mode=False)
+        code, why = _outcome(interrupter)
+    finally:
+        with ending(code):
+            if why:
+                _complain(why)
+    sys.exit(code)
+
+
+def _outcome(interrupter: Interrupter) -> tuple[int, str]:
+    """Run the command; return the exit code, and what there is to complain of."""
+    try:
+        code, why = ross.main(standalone_mode=False), ""
     except click.exceptions.NoArgsIsHelpError as error:  # `ross` alone, or `ross config`: what it says is the help
         error.show()
-        code = error.exit_code
+        code, why = error.exit_code, ""
     except click.ClickException as error:
-        _complain(error.format_message())
-        code = error.exit_code
+        code, why = error.exit_code, error.format_message()
     except (click.Abort, KeyboardInterrupt):
-        click.echo("ross: interrupted", err=True)
-        code = 130
+        code, why = 130, "interrupted"
     except (ActuatorError, OutputError) as error:
-        _complain(str(error))
-        code = 1
+        code, why = 1, str(error)
     except RossError as error:
-        _complain(str(error))
-        code = 2
+        code, why = 2, str(error)
     except ModuleNotFoundError as error:
-        _complain(_lacking(error))
-        code = 2
+        code, why = 2, _lacking(error)
     except (SystemExit, MemoryError) as error:
-        _complain_of_end(error)
-        code = 1
+        code, why = 1, _end_in_words(error)
     except BrokenPipeError:
-        code = 1
+        code, why = 1, ""
     except OSError as error:
-        _complain(_unusable(error))
-        code = 1 if error.filename is None else 2
+        code, why = 1 if error.filename is None else 2, _unusable(error)
     except Exception:
         if interrupter.caught is None:
             raise
-        click.echo("ross: interrupted", err=True)  # pydantic and others raise their own instead of a KeyboardInterrupt
-        code = 130
-    sys.exit(code if isinstance(code, int) else 0)
+        code, why = 130, "interrupted"  # pydantic and others raise their own instead of a KeyboardInterrupt
+    return code if isinstance(code, int) else 0, why
 
 
 def _occupy_closed_streams() -> None:
@@ -178,12 +182,13 @@ def _occupy_closed_streams() -> None:
     sys.stderr = sys.stderr or Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
 
 
-def _complain_of_end(error: SystemExit | MemoryError) -> None:
+def _end_in_words(error: SystemExit | MemoryError) -> str:
     """Say what ended a command; we raise no SystemExit in one, and its code would be taken for that of a mission."""
     if isinstance(error, MemoryError):
-        _complain(f"out of memory: {error}".rstrip(": "))
-    elif not isinstance(error.__context__, BrokenPipeError):  # of which click and rich make one
-        _complain(f"ended by a plug-in or a library, which asked Python to exit with {error.code!r}")
+        return f"out of memory: {error}".rstrip(": ")
+    if isinstance(error.__context__, BrokenPipeError):  # of which click and rich make one
+        return ""
+    return f"ended by a plug-in or a library, which asked Python to exit with {error.code!r}"
 
 
 def _lacking(error: ModuleNotFoundError) -> str:

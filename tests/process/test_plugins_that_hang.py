@@ -1,6 +1,8 @@
-"""Plug-ins whose calls never return: they are named."""
+"""Plug-ins whose calls never return, or that leave threads behind: they are named, and every command ends."""
 
+import os
 import signal
+import subprocess
 import sys
 import time
 
@@ -11,8 +13,9 @@ from processes import program
 
 SOON = """
 import sys
-from ross_payload import cli, plugin_calls
+from ross_payload import cli, plugin_calls, program_end
 plugin_calls.LOOK_S = 0.05
+program_end.TELL_S, program_end.LEAVE_S, program_end.LAST_LINE_S = 0.3, 0.6, 1.0
 sys.argv[0] = "ross"
 cli.main()
 """
@@ -45,6 +48,7 @@ class Source:
         pass
 """
 POINTS = "[ross_payload.separators]\ntheirs = theirs:Separator\n[ross_payload.audio_sources]\ntheirs = theirs:source\n"
+THREAD = "threading.Thread(target=forever, name='their worker').start(); raise ValueError('trouble')"
 CONFIG = """
 [audio]
 source = "theirs:here"
@@ -94,3 +98,29 @@ def test_a_source_that_never_returns_is_named_and_a_second_signal_ends_the_paylo
         assert process.poll() is None
         process.terminate()
         process.wait(20)
+
+
+def test_a_thread_that_never_ends_is_named_and_not_waited_for_for_ever(their, tmp_path):
+    command = [*their(THREAD), "sitl", "--json", "--informed", "-p", "theirs"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 1
+    assert "batch raised ValueError: trouble" in done.stdout
+    waits = "ross: the end waits for what a plug-in or a library has started and not ended: thread 'their worker'\n"
+    assert done.stderr.endswith(waits)
+
+
+def test_an_error_that_nobody_reads_holds_no_command_up(their, tmp_path):
+    read, write = os.pipe()
+    os.set_blocking(write, False)
+    while True:
+        try:
+            os.write(write, bytes(4096))
+        except BlockingIOError:
+            break
+    os.set_blocking(write, True)
+    try:
+        done = subprocess.run([*their(), "run", "nowhere.toml"], cwd=tmp_path, stderr=write, check=False, timeout=60)
+    finally:
+        os.close(read)
+        os.close(write)
+    assert done.returncode == 2

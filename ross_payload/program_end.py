@@ -1,0 +1,62 @@
+"""The end of a program, which waits for nobody for ever.
+
+Python waits at its end for every thread that is no daemon, without a word: also for one that a plug-in has started and
+that never ends. And a last line is written until somebody reads it.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+LAST_LINE_S = 5.0  # that whoever reads the standard error may take for the last line
+TELL_S = 5.0  # after which threads are named that the end waits for
+LEAVE_S = 10.0  # after which it does not wait for them any more
+STANDARD_ERROR = 2  # its descriptor
+
+
+@contextmanager
+def ending(code: int) -> Iterator[None]:
+    """Write the last line of a program within this; then, or a few seconds later, the process ends with ``code``.
+
+    Once the main thread is over the others have `LEAVE_S`; those that are left are named. What waits on the standard
+    output is written before: whoever reads that takes the time they need.
+    """
+    with suppress(OSError, ValueError):
+        sys.stdout.flush()
+    written = threading.Event()
+    with suppress(RuntimeError):  # the system has no thread left
+        threading.Thread(target=_watch, args=(written, code), name="end", daemon=True).start()
+    try:
+        yield
+    finally:
+        written.set()
+
+
+def _watch(written: threading.Event, code: int) -> None:
+    if not written.wait(LAST_LINE_S):
+        os._exit(code)
+    threading.main_thread().join()
+    threading.Event().wait(TELL_S)
+    names = ", ".join(repr(thread.name) for thread in threading.enumerate() if _is_waited_for(thread))
+    if names:
+        _say(f"ross: the end waits for what a plug-in or a library has started and not ended: thread {names}")
+    threading.Event().wait(LEAVE_S - TELL_S)
+    with suppress(OSError, ValueError):
+        sys.stdout.flush()
+    os._exit(code)
+
+
+def _is_waited_for(thread: threading.Thread) -> bool:
+    return thread.is_alive() and not thread.daemon and thread is not threading.main_thread()
+
+
+def _say(text: str) -> None:
+    """Write a line to the standard error, if that takes it."""
+    with suppress(OSError, ValueError):
+        if select.select((), (STANDARD_ERROR,), (), 0)[1]:
+            os.write(STANDARD_ERROR, f"{text}\n".encode("utf-8", "backslashreplace")[: select.PIPE_BUF])
