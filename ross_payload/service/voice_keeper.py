@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from datetime import datetime
@@ -16,11 +16,13 @@ from ross_payload.errors import ConfigError, RossError
 from ross_payload.events import Answer, Answered, Enrolled, Event
 from ross_payload.interfaces import Input
 from ross_payload.orders import Enrol, Order
+from ross_payload.transport.async_task import begin
 from ross_payload.voiceprint import EmbeddingPrint, VoiceStore
 from ross_payload.voiceprint.store import NameTaken
 
 log = logging.getLogger(__name__)
 
+LISTING_S = 0.05  # [s] that the disk may take to say who is in the store: the pump waits
 OVER = (Answer.DONE, Answer.REFUSED, Answer.FAILED, Answer.CANCELLED)
 
 
@@ -40,6 +42,8 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
         self._utc = utc
         self._names: set[str] = set()  # given here; not all of them are written yet
         self._chosen: set[str] = set()  # of these, the numbers that nobody asked for
+        self._listing: Future[tuple[str, ...]] | None = None  # of the store, under way
+        self._listed: set[str] = set()  # who was in the store at the latest listing
         self._pending: dict[int, str] = {}  # of these, whose enrolment is not over, by the number of the order
         self._writer = ThreadPoolExecutor(max_workers=1, thread_name_prefix="voices")
         self._troubles: SimpleQueue[str] = SimpleQueue()
@@ -93,12 +97,20 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
         return name
 
     def _stored(self) -> set[str]:
-        """Return who has a print in the store, as far as it can be read: it may be on a disk that is gone."""
+        """Return who has a print in the store, as far as it can be read: it may be on a disk that is gone, or hangs."""
+        if self._store is None:
+            return set()
+        self._listing = listing = self._listing or begin(self._store.names)
+        if not wait((listing,), LISTING_S).done:
+            log.warning("the store of voices does not answer: who was there before counts")
+            return self._listed
+        self._listing = None
         try:
-            return set(self._store.names()) if self._store is not None else set()
+            self._listed = set(listing.result())
         except (ConfigError, OSError) as error:
             log.warning("%s", error)
-            return set()
+            self._listed = set()
+        return self._listed
 
     def _keep(self, store: VoiceStore, name: str, voice: EmbeddingPrint) -> None:
         try:

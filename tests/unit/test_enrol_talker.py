@@ -4,6 +4,8 @@ import errno
 import json
 import os
 import stat
+import threading
+import time
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -350,6 +352,21 @@ def test_a_store_that_cannot_be_read_any_more_ends_no_payload(store):
     with VoiceKeeper(store) as keeper:
         keeper._store = Gone()
         assert keeper.named(Enrol(source=0, consent=True)).name == "talker-1"
+
+
+def test_a_store_on_a_disk_that_hangs_does_not_hold_up_the_pump(store, monkeypatch, caplog):
+    """No stop was heard until the disk answered."""
+    store.save("talker-1", model_of())
+    hangs, names = threading.Event(), VoiceStore.names
+    with VoiceKeeper(store) as keeper:
+        assert keeper.named(Enrol(source=0, consent=True)).name == "talker-2"
+        monkeypatch.setattr(VoiceStore, "names", lambda store: hangs.wait() and names(store))
+        began = time.monotonic()
+        assert keeper.named(Enrol(source=0, consent=True)).name == "talker-3"
+        assert keeper.named(Enrol(source=0, consent=True)).name == "talker-4"
+        assert time.monotonic() - began < 1.0
+        assert "the store of voices does not answer" in caplog.text
+        hangs.set()
 
 
 def test_a_number_that_was_asked_for_replaces_the_print(store):
