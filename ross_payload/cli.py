@@ -165,7 +165,9 @@ def _outcome(interrupter: Interrupter) -> tuple[int, str]:
         code, why = 1, ""
     except OSError as error:
         code, why = 1 if error.filename is None else 2, _unusable(error)
-    except Exception:
+    except Exception as error:
+        if isinstance(error, RuntimeError) and "start new thread" in str(error):
+            return 1, f"the system refuses another thread: {error}"
         if interrupter.caught is None:
             raise
         code, why = 130, "interrupted"  # pydantic and others raise their own instead of a KeyboardInterrupt

@@ -25,17 +25,28 @@ class LogWriter(logging.Handler):
         Where to write. The thread has a copy of its own, since it may write for longer than this one is open.
     encoding
         Of the lines.
+
+    Raises
+    ------
+    RuntimeError
+        When the system has no thread left.
     """
 
     def __init__(self, descriptor: int, encoding: str = "utf-8") -> None:
         super().__init__()
+        self._thread: threading.Thread | None = threading.Thread(target=self._work, name="log", daemon=True)
         self._descriptor = os.dup(descriptor)
         self._encoding = encoding
         self._lines: SimpleQueue[str | None] = SimpleQueue()  # None: end
         self._lost = 0
         self._over = False  # what is left is not written any more
-        self._thread: threading.Thread | None = threading.Thread(target=self._work, name="log", daemon=True)
-        self._thread.start()
+        try:
+            self._thread.start()
+        except RuntimeError:
+            self._thread = None
+            os.close(self._descriptor)
+            super().close()
+            raise
 
     def emit(self, record: logging.LogRecord) -> None:
         """Queue a line; never waits."""

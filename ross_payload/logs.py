@@ -67,7 +67,7 @@ def logging_to(
 def _handler(stream: TextIO) -> logging.Handler:
     try:
         return LogWriter(stream.fileno(), stream.encoding)
-    except (OSError, ValueError):  # no file behind it
+    except (OSError, ValueError, RuntimeError):  # no file behind it, or no thread left: then who logs waits
         return logging.StreamHandler(stream)
 
 

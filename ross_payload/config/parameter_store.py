@@ -99,7 +99,11 @@ class Parameters(AbstractContextManager["Parameters"]):
         others = {other: kept for other, kept in self._kept.items() if other != name}
         self._kept = others if entry.value == entry.replaced else others | {name: entry}
         if self._path is not None:
-            self._writer.submit(self._write, self._path)
+            try:
+                self._writer.submit(self._write, self._path)
+            except RuntimeError as error:  # the system has no thread left: it is in force, and written with the next
+                self.trouble = f"{self._path}: cannot be written: {error}"
+                log.warning(self.trouble)
 
     def _write(self, path: Path) -> None:
         latest = self._kept  # several changes while the disk was busy are written once

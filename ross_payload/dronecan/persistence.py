@@ -66,7 +66,10 @@ class PersistentIds(AbstractContextManager["PersistentIds"]):
             "given": {unique_id.hex(): node_id for unique_id, node_id in self._table.items()},
         }
         if self._path is not None:
-            self._writer.submit(_write, self._path, json.dumps(content, indent=1) + "\n")
+            try:
+                self._writer.submit(_write, self._path, json.dumps(content, indent=1) + "\n")
+            except RuntimeError as error:  # the system has no thread left: it is written with the next one
+                log.warning("%s: cannot be written: %s", self._path, error)
 
     def __exit__(self, *exception: object) -> None:
         """Wait until all is in the file."""

@@ -107,8 +107,14 @@ class StopLatch:
             self._asked += 1
             self._wishes.put(keep)
             if self._thread is None:
-                self._thread = threading.Thread(target=self._work, name="stop latch", daemon=True)
-                self._thread.start()
+                thread = threading.Thread(target=self._work, name="stop latch", daemon=True)
+                try:
+                    thread.start()
+                except RuntimeError as error:  # the system has none left: the next wish asks again, and saves this one
+                    self.failure = f"{self._path}: {error}"
+                    log.error("%s: the stop was not saved: %s", self._path, error)
+                else:
+                    self._thread = thread
 
     def _work(self) -> None:
         latest: bool | None = None

@@ -228,6 +228,14 @@ def test_too_little_memory_is_one_line(run, monkeypatch, said, told):
     assert run("grow") == (1, "", f"ross: out of memory{told}\n")
 
 
+def test_too_few_threads_are_one_line(run, monkeypatch):
+    def start():
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setitem(cli.ross.commands, "start", click.Command("start", callback=start))
+    assert run("start") == (1, "", "ross: the system refuses another thread: can't start new thread\n")
+
+
 def test_a_signal_that_interrupted_nobody_is_heard_by_who_listens_for_signals(run, monkeypatch, own_handlers):
     """As one that comes while a weak reference's callback runs: Python ignores what that raises."""
     heard = []

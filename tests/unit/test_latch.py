@@ -151,3 +151,18 @@ def test_closing_waits_until_everything_is_saved(tmp_path):
     latch.close()
     assert latch.closed
     latch.close()
+
+
+def test_a_stop_that_finds_no_thread_is_told_and_saved_with_the_next(latch, tmp_path, monkeypatch, caplog):
+    def refused(thread):
+        raise RuntimeError("can't start new thread")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Thread, "start", refused)
+        latch.ordered(Stop())
+        latch.close()
+    assert (latch.saved, "can't start new thread" in latch.failure) == (False, True)
+    assert "the stop was not saved: can't start new thread" in caplog.text
+    latch.ordered(Stop())
+    settled(latch)
+    assert (latch.closed, latch.failure) == (True, "")

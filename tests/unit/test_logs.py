@@ -3,8 +3,10 @@ import json
 import logging
 import os
 import re
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -157,6 +159,22 @@ def journal_lines(tmp_path, form):
             except ValueError:
                 LOG.exception("bad")
         return path.read_text().splitlines()
+
+
+def test_where_no_thread_is_left_whoever_logs_writes(tmp_path, monkeypatch):
+    """It was a traceback, and the descriptor stayed open."""
+
+    def refused(thread):
+        raise RuntimeError("can't start new thread")
+
+    with (tmp_path / "log").open("w") as stream:
+        before = set(Path("/proc/self/fd").iterdir())
+        with monkeypatch.context() as patch:
+            patch.setattr(threading.Thread, "start", refused)
+            with logging_to(stream, "info", "text"):
+                logging.getLogger("ross_payload.mission").info("idle")
+        assert set(Path("/proc/self/fd").iterdir()) == before
+    assert (tmp_path / "log").read_text().endswith("info    mission: idle\n")
 
 
 def test_the_journal_gets_a_priority_on_every_line(tmp_path):

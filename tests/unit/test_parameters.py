@@ -2,6 +2,7 @@
 
 import math
 import os
+import threading
 import tomllib
 from pathlib import Path
 
@@ -373,3 +374,21 @@ def test_ross_config_show_prints_what_is_in_force(file, tmp_path, monkeypatch):
     assert [line.split()[-1] for line in shown.output.splitlines() if line.startswith("unit_s = 5.0")] == ["file"]
     assert "run_s = 20.0" in shown.output
     assert "in flight, instead of 10" in shown.output
+
+
+def test_a_value_that_finds_no_thread_is_in_force_and_kept_with_the_next(file, monkeypatch, caplog):
+    """It ended the payload, which sets values on the pump."""
+
+    def refused(thread):
+        raise RuntimeError("can't start new thread")
+
+    with Parameters(Config(), file) as parameters:
+        with monkeypatch.context() as patch:
+            patch.setattr(threading.Thread, "start", refused)
+            parameters.set("EXP_UNIT", 2.5)
+        assert parameters.value("EXP_UNIT") == 2.5
+        assert parameters.trouble == f"{file}: cannot be written: can't start new thread" == caplog.messages[0]
+        parameters.set("EXP_STEP", 20.0)
+    assert parameters.trouble == ""
+    with Parameters(Config(), file) as parameters:
+        assert (parameters.value("EXP_UNIT"), parameters.value("EXP_STEP")) == (2.5, 20.0)
