@@ -10,6 +10,7 @@ import shutil
 import stat
 import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -132,8 +133,9 @@ class SessionStore:
         aside = path.glob(f"{MANIFEST}.{ASIDE}*")
         for file in [*path.glob(f".*{PART}*"), *ours, *aside, path / DATED, path / MANIFEST]:
             file.unlink(missing_ok=True)
-        if not any(path.iterdir()):
-            path.rmdir()
+        with suppress(FileNotFoundError):  # another payload deletes it this moment, too
+            if not any(path.iterdir()):
+                path.rmdir()
 
     def tidy(self, limits: config.Recording, running: Path | None = None, stamp: str = "") -> str:
         """Delete what is too old or too much, the oldest first; return why ``running`` must stop, or ''.

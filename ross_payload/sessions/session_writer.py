@@ -37,9 +37,9 @@ class SessionWriter:
         self._first: int | None = None  # index of the first sample
         self._voices: dict[str, VoiceTrack] = {}
         with ExitStack() as stack:
-            manifest.write(folder, begin, started)
             self._inputs = stack.enter_context(create(folder / "inputs.jsonl"))
-            fcntl.flock(self._inputs, fcntl.LOCK_EX)
+            fcntl.flock(self._inputs, fcntl.LOCK_EX)  # before it is a session, which another payload may delete
+            manifest.write(folder, begin, started)
             self._events = stack.enter_context(create(folder / "events.jsonl"))
             self._scores = stack.enter_context(create(folder / "scores.jsonl"))
             self._audio = WavFile(folder / "audio.wav", self._rate)

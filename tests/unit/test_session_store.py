@@ -12,7 +12,7 @@ import pytest
 from ross_payload.atomic_files import replacing
 from ross_payload.config import Config
 from ross_payload.errors import ConfigError
-from ross_payload.sessions import session_store
+from ross_payload.sessions import session_store, session_writer
 from ross_payload.sessions.manifest import Beginning
 from ross_payload.sessions.session_store import DAY, FILES, SessionStore
 from ross_payload.sessions.session_writer import SessionWriter
@@ -222,6 +222,35 @@ def test_the_running_session_is_never_deleted(store):
     finally:
         writer.close()
     store.delete(store.find("0001"))
+    assert names(store) == []
+
+
+def test_a_session_that_begins_is_running_before_it_is_one(store, monkeypatch):
+    """Another payload deleted it where the storage was full: what was recorded went into files without a name."""
+    write = session_writer.manifest.write
+
+    def slow(folder, begin, started):
+        write(folder, begin, started)
+        store.tidy(limits(max_gb=1e-9))
+
+    monkeypatch.setattr(session_writer.manifest, "write", slow)
+    writer = SessionWriter(store.add(""), BEGINNING, "")
+    assert names(store) == ["0001"]
+    writer.close()
+
+
+def test_two_payloads_may_delete_the_same_session_at_once(store, monkeypatch):
+    """The slower one stopped its recording: the session could not be deleted."""
+    fill(store, size=1_500_000_000)
+    unlink, count = Path.unlink, itertools.count()
+
+    def raced(file, missing_ok=False):
+        if next(count) == 0:
+            store.tidy(limits(max_gb=1.0))
+        unlink(file, missing_ok=missing_ok)
+
+    monkeypatch.setattr(Path, "unlink", raced)
+    store.tidy(limits(max_gb=1.0))
     assert names(store) == []
 
 
