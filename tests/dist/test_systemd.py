@@ -86,6 +86,12 @@ def test_the_pump_and_the_edges_may_have_real_time_priority(service):
     assert int(service["LimitRTPRIO"]) >= max(clock.URGENCY, gpio.URGENCY)
 
 
+def test_the_payload_may_ask_whether_the_network_keeps_the_time(service):
+    """@system-service lacks what `clock.synchronised_time` calls: as a service it trusted no NTP."""
+    assert {"adjtimex", "clock_adjtime", "clock_adjtime64"} <= set(service["SystemCallFilter"].split())
+    assert service["CapabilityBoundingSet"] == ""
+
+
 @pytest.mark.parametrize("setting", ["PrivateDevices", "PrivateNetwork", "MemoryDenyWriteExecute", "RestrictRealtime"])
 def test_what_would_cut_off_sound_wires_or_links_is_not_set(service, setting):
     assert setting not in service
