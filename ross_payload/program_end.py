@@ -10,7 +10,7 @@ import os
 import select
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 
 LAST_LINE_S = 5.0  # that whoever reads the standard error may take for the last line
@@ -37,22 +37,37 @@ def ending(code: int) -> Iterator[None]:
         written.set()
 
 
+def end_within(seconds: float, code: int, waits_for: Callable[[], Iterable[str]]) -> None:
+    """Have the process end with ``code`` after this time, if it has not ended before; then say what it waits for."""
+
+    def end() -> None:
+        threading.Event().wait(seconds)
+        _say(f"ross: not ended after {seconds:g} s, waiting for {', '.join([*waits_for(), *_names()])}; it ends so")
+        os._exit(code)
+
+    with suppress(RuntimeError):  # the system has no thread left
+        threading.Thread(target=end, name="end", daemon=True).start()
+
+
 def _watch(written: threading.Event, code: int) -> None:
     if not written.wait(LAST_LINE_S):
         os._exit(code)
     threading.main_thread().join()
     threading.Event().wait(TELL_S)
-    names = ", ".join(repr(thread.name) for thread in threading.enumerate() if _is_waited_for(thread))
-    if names:
-        _say(f"ross: the end waits for what a plug-in or a library has started and not ended: thread {names}")
+    if names := _names():
+        _say(
+            f"ross: still waiting for a thread that has not ended: {', '.join(names)}; the program ends soon without it"
+        )
     threading.Event().wait(LEAVE_S - TELL_S)
     with suppress(OSError, ValueError):
         sys.stdout.flush()
     os._exit(code)
 
 
-def _is_waited_for(thread: threading.Thread) -> bool:
-    return thread.is_alive() and not thread.daemon and thread is not threading.main_thread()
+def _names() -> list[str]:
+    """Return whom Python waits for at its end."""
+    others = (thread for thread in threading.enumerate() if thread is not threading.main_thread())
+    return [repr(thread.name) for thread in others if thread.is_alive() and not thread.daemon]
 
 
 def _say(text: str) -> None:

@@ -30,6 +30,7 @@ from ross_payload.mount import mount_of
 from ross_payload.notify import MISSION, PASSED_ON_S, Manager, Watchdog, beside, hearing_signals, on_signal
 from ross_payload.orders import Shutdown, Stop
 from ross_payload.plugin_calls import LateCalls, telling_late_calls
+from ross_payload.program_end import end_within
 from ross_payload.service.check import check_settable
 from ross_payload.service.payload import POLL_PERIOD_S, Parts, assembled
 from ross_payload.service.runner import Runner
@@ -44,6 +45,7 @@ from ross_payload.voiceprint.features import at_rate
 from ross_payload.voiceprint.model_folder import ModelFolder
 from ross_payload.voiceprint.store import Damaged
 
+END_S = 60.0  # after a signal to end; systemd gives less (TimeoutStopSec)
 COMPUTE_LIMIT = 2.0  # of the audio that can wait: so long the mission may compute without hearing a hop
 SERVER_START_TIMEOUT_S = 10.0  # a simulated world or a CAN server may be started after the payload
 AGAIN = 75  # exit code: start me again; EX_TEMPFAIL of sysexits.h
@@ -80,7 +82,7 @@ def live(config: Config) -> int:
             stack.callback(cancel)
         log.info("ross %s: %s on %s", __version__, config.actuator.kind, config.audio.source)
         manager.ready("idle")
-        _run(runner, manager, watchdog)
+        _run(runner, manager, watchdog, calls)
     return AGAIN if again.is_set() else 0
 
 
@@ -172,10 +174,11 @@ def _enrolled(config: Config) -> VoicePrint | None:
     return voice
 
 
-def _run(runner: Runner, manager: Manager, watchdog: Watchdog) -> None:
+def _run(runner: Runner, manager: Manager, watchdog: Watchdog, calls: LateCalls) -> None:
     """Run the mission on a thread of its own, so that this one hears signals at once, whatever is computed.
 
-    Ctrl-C and SIGTERM are an orderly shutdown: the motor decelerates before anything else.
+    Ctrl-C and SIGTERM are an orderly shutdown: the motor decelerates before anything else. What then does not end, as
+    a disk that hangs, is given up after `END_S`.
 
     Raises
     ------
@@ -189,8 +192,10 @@ def _run(runner: Runner, manager: Manager, watchdog: Watchdog) -> None:
         nonlocal asked
         if asked and watchdog.silent(MISSION) > PASSED_ON_S:
             raise KeyboardInterrupt
-        asked = True
         runner.order(Shutdown())
+        if not asked:
+            end_within(END_S, 1, calls.in_words)
+        asked = True
         manager.stopping(name)
 
     with on_signal(shut_down):

@@ -6,19 +6,24 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
+import soundfile
 
 import waiting
 from processes import program
 
 SOON = """
-import sys
+import sys, threading
 from ross_payload import cli, plugin_calls, program_end
+from ross_payload.service import live
+from ross_payload.sessions import session_writer
+live.END_S = 8.0
 plugin_calls.LOOK_S = 0.05
 program_end.TELL_S, program_end.LEAVE_S, program_end.LAST_LINE_S = 0.3, 0.6, 1.0
 sys.argv[0] = "ross"
-cli.main()
 """
+END = "cli.main()\n"
 PLUGIN = """
 import threading, time
 
@@ -63,7 +68,7 @@ state_dir = "state"
 def their(tmp_path, monkeypatch):
     """Install the plug-in into a folder; return it, with the command line, which is impatient."""
 
-    def install(batch="forever()"):
+    def install(batch="forever()", more=""):
         (tmp_path / "theirs.py").write_text(PLUGIN.replace("{batch}", batch))
         info = tmp_path / "theirs-1.0.dist-info"
         info.mkdir()
@@ -71,7 +76,7 @@ def their(tmp_path, monkeypatch):
         (info / "entry_points.txt").write_text(POINTS.replace("theirs:Separator", "theirs:Separator.made"))
         with (tmp_path / "theirs.py").open("a") as file:
             file.write("Separator.made = Separator()\n")
-        return [sys.executable, "-c", SOON]
+        return [sys.executable, "-c", SOON + more + END]
 
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     return install
@@ -105,7 +110,7 @@ def test_a_thread_that_never_ends_is_named_and_not_waited_for_for_ever(their, tm
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 1
     assert "batch raised ValueError: trouble" in done.stdout
-    waits = "ross: the end waits for what a plug-in or a library has started and not ended: thread 'their worker'\n"
+    waits = "ross: still waiting for a thread that has not ended: 'their worker'; the program ends soon without it\n"
     assert done.stderr.endswith(waits)
 
 
@@ -124,3 +129,16 @@ def test_an_error_that_nobody_reads_holds_no_command_up(their, tmp_path):
         os.close(read)
         os.close(write)
     assert done.returncode == 2
+
+
+def test_a_disk_that_hangs_does_not_hold_the_end_of_the_payload_up_for_ever(their, tmp_path):
+    """Without systemd, which kills it."""
+    command = their(more="session_writer.SessionWriter.flush = lambda self: threading.Event().wait()\n")
+    soundfile.write(tmp_path / "noise.wav", np.random.default_rng(0).normal(0, 0.01, (320_000, 2)), 16000)
+    config = CONFIG.replace("theirs:here", "file:noise.wav") + "[recording]\nalways = true\nmin_free_gb = 0\n"
+    (tmp_path / "ross.toml").write_text(config)
+    with program([*command, "run", "ross.toml"], tmp_path, code=1, lives=False) as (process, log):
+        waiting.wait_for(lambda: "recording is on" in log.read_text())
+        process.terminate()
+        process.wait(30)
+    assert log.read_text().endswith("ross: not ended after 8 s, waiting for 'recorder'; it ends so\n")
