@@ -73,6 +73,7 @@ class SetPoints:
         self._asked: float | None = None  # the last set-point [rad]; None: none since it began from rest
         self._again = math.nan  # where this turn was begun again last [rad]
         self.supposed = False  # it began, unseen, at the last set-point before a pause, which may not have arrived
+        self.obeyed = False  # the device has rested at the end of the motion
 
     def turn(self, move: Move, position: float, velocity: float, now: float) -> None:
         """Go to a goal from ``position`` [rad] with ``velocity`` [rad/s]."""
@@ -150,6 +151,11 @@ class SetPoints:
         """Tell whether it brakes, or was to brake, later than ``time`` [s]."""
         return self.motion is not None and not self._turning and self.motion.end > time
 
+    @property
+    def may_be_unheard(self) -> bool:
+        """Whether it was to brake or to stay, and the device has not been seen to do so: it may get no set-points."""
+        return self.motion is not None and not (self._turning or self.obeyed)
+
     def due(self, motion: Motion, period: float, now: float) -> float | None:
         """Return the set-point that is due [rad]: where it should be when the next one comes; None: not yet."""
         if now - self.sent < period - TIME_TOLERANCE_S:
@@ -184,6 +190,6 @@ class SetPoints:
 
     def _go(self, plan: Trapezoid, now: float) -> None:
         self.motion, self._turning, self._led = Motion(plan, now), False, math.inf
-        self.supposed = False
+        self.supposed = self.obeyed = False
         if not plan.velocity:  # a device that follows set-points would see a jump in their rhythm as one of speed
             self.sent, self.pace, self._asked = -math.inf, self.ahead, None

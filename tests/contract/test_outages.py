@@ -63,6 +63,42 @@ def test_a_stop_around_an_outage_of_the_wire_is_not_made_up_for_when_it_is_over(
     rig.actuator.__exit__(None, None, None)
 
 
+@pytest.mark.parametrize(
+    ("led", "stopped", "outage"),
+    [
+        ("mavlink_gimbal", -0.05, 0.7),
+        ("mavlink_gimbal", 0.2, 0.35),
+        ("dronecan_servo", -0.05, 0.2),
+        ("dronecan_servo", 0.02, 0.25),
+        *rows_in_soak(("mavlink_gimbal", 0.3, 0.35), ("mavlink_gimbal", 0.35, 3.0), ("dronecan_servo", 0.35, 3.0)),
+        *rows_in_soak(("mavlink_gimbal:manager", 0.2, 0.35), ("dronecan_servo:gimbal", 0.02, 0.25)),
+        *rows_in_soak(("vehicle_yaw", 0.2, 0.35), ("vehicle_yaw:offboard", 0.2, 0.35)),
+    ],
+)
+def test_a_stop_in_an_outage_of_set_points_alone_is_one_too(led: str, stopped: float, outage: float) -> None:
+    """The reports go on, and tell that it rests far behind its plan to brake, which must not lead it on afterwards."""
+    rig = rig_of(led).open()
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(0.8 + min(stopped, 0.0))
+    if stopped < 0.0:
+        rig.actuator.stop()
+        rig.clock.sleep(-stopped)
+    rig.wire.one_way = True
+    if stopped > 0.0:
+        rig.clock.sleep(stopped)
+        rig.actuator.stop()
+    rig.clock.sleep(outage - max(stopped, 0.0) - QUANTUM)
+    before = rig.far_end.angle()
+    rig.clock.sleep(QUANTUM)
+    here = rig.far_end.angle()
+    speed = abs(here - before) / QUANTUM
+    rig.wire.one_way = False
+    rig.clock.sleep(3.0)
+    assert abs(rig.far_end.angle() - here) <= speed**2 / (2 * ACCELERATION) + rig.late * speed + math.radians(4)
+    assert rig.state.settled or "does not follow" in rig.state.fault
+    rig.actuator.__exit__(None, None, None)
+
+
 @pytest.mark.parametrize("stopped", [0.05, 0.38])
 @pytest.mark.parametrize("led", ["dronecan_servo", *in_soak("dronecan_servo:gimbal")])
 def test_a_servo_that_is_to_brake_gets_no_set_points_before_it_is_heard_again(

@@ -74,18 +74,18 @@ def kinds(*named: str) -> list[object]:
 
 
 class CuttableWire:
-    """A wire that stops delivering when it is cut, and takes nothing either when it is severed."""
+    """A wire that stops delivering when it is cut, takes nothing when it is one-way, and neither when it is severed."""
 
     def __init__(self, port: Port | None = None) -> None:
         self._port = port
-        self.cut = self.severed = False
+        self.cut = self.severed = self.one_way = False
 
     def plug(self, port: Port) -> None:
         self._port = port
 
     def send(self, frame: Any) -> None:
         assert self._port
-        if not self.severed:
+        if not (self.severed or self.one_way):
             self._port.send(frame)
 
     def receive(self) -> list[Any]:

@@ -91,6 +91,7 @@ class DronecanServo(Driver):
             self._reports.append(self._believed(report))
             if report.time - before > UNSEEN_S:
                 self._look_again(self._reports[-1].joint, before, now)
+            self._stay_where_it_rests(now)
             self._check_lag(self._reports[-1].joint, now)
         while len(self._reports) > 1 and self._reports[1].time <= now - self._options.settle_ms * 1e-3:
             self._reports.popleft()
@@ -203,6 +204,18 @@ class DronecanServo(Driver):
         elif unusual and behind > math.radians(self._options.max_lag_deg):
             self._plan.turn_again(joint, 0.0, now)
 
+    def _stay_where_it_rests(self, now: float) -> None:
+        """Let stay where it is seen at rest what was to brake, or to stay, and gets no set-points though it reports.
+
+        Once it gets them again, those of the plan would lead it on at its own speed.
+        """
+        motion = self._plan.motion
+        if motion is None or len(self._reports) < 2 or not (self._plan.may_be_unheard and self._still()):
+            return
+        joint, (angle, rate) = self._reports[-1].joint, motion.at(now)
+        if abs(joint - angle) > ASTRAY_RAD + ASTRAY_S * abs(rate):
+            self._plan.hold(joint, now)
+
     def _latch(self, fault: str) -> None:
         self._fault = self._fault or fault
 
@@ -224,6 +237,7 @@ class DronecanServo(Driver):
             self._lose()
         else:
             self._plan.halt(now)
+            self._stay_where_it_rests(now)
 
     def _home(self, now: float) -> None:
         self._fault, self._homed = "", False
@@ -267,12 +281,14 @@ class DronecanServo(Driver):
         wanted, rate = motion.at(now) if motion is not None else (self._angle, 0.0)
         known = bool(self._reports) and math.isfinite(self._reports[-1].joint)
         angle = self._reports[-1].joint if known else self._angle if self._measured else wanted
+        arrived = self._still() and self._arrived(angle, now)
+        self._plan.obeyed = self._plan.obeyed or arrived
         fault = self._fault or client.nameless or client.condition or (client.missing(now) if self._measured else "")
         self._angle = angle
         return ActuatorState(
             angle=angle,
             rate=rate,
-            settled=not fault and self._still() and self._arrived(angle, now),
+            settled=arrived and not fault,
             homed=known if self._measured else self._homed,
             healthy=not fault,
             time=client.report.time if self._measured else client.heard_at,

@@ -55,6 +55,7 @@ class MavlinkGimbal(Driver):
         self._blind = False  # it has not reported for a while, so that nobody knows whether it got the set-points
         self._stale_at = -math.inf  # when it had not reported for a while last [s]
         self._found_at = -math.inf  # when the gimbal was found [s]
+        self._known = False  # the latest report tells where it is
         self._fault = ""
         self._settled = False  # as last published
         self.capabilities = capabilities_of(options, math.radians(options.resolution_deg), Feedback.MEASURED)
@@ -84,12 +85,15 @@ class MavlinkGimbal(Driver):
         if isinstance(self._peer, GimbalManagerClient):
             self._peer.read_at = now
         self._plan.forget_late_brake(now)
-        seen = self._feedback
+        seen, self._known = self._feedback, False
         fresh = now - seen.time <= diagnostics.STALE_REPORT_S
         if not (seen.restarted and fresh):  # that is a fault of the motion under way
             known = fresh and not (self._blind or diagnostics.contradiction(seen))
             self._plan.go_on(seen if known else None, now)
             self._plan.look_again(seen, now, believed=known)
+            self._known = known and seen.steady
+            if self._known:
+                self._plan.brake_where_it_is(seen, now)
 
     def obey(self, request: Move | Request, now: float) -> None:
         """Plan, claim control or give it back; a release decelerates: the protocol switches no motors off."""
@@ -109,6 +113,8 @@ class MavlinkGimbal(Driver):
         if not isinstance(request, Move):
             self._pending = None
             self._plan.halt(now)
+            if self._known:
+                self._plan.brake_where_it_is(self._feedback, now)
         elif self._plan.motion is None or self._blind:
             self._pending = request
         else:

@@ -13,6 +13,7 @@ from ross_payload.interfaces import Capabilities
 PAUSE_S = 0.25  # longer without the next set-point, and what follows them has come to rest at the last one [s]
 FRESH_S = 0.1  # a report that is older is no place to brake from [s]
 STILL_RAD_S = math.radians(0.5)  # what a gimbal at rest trembles with [rad/s]
+RESTED_S = 0.3  # at rest where it should be for as long, it has obeyed a stop [s]
 
 
 class YawSetPoints(SetPoints):
@@ -84,6 +85,22 @@ class YawSetPoints(SetPoints):
             self.braking = None
             self.turn_again(*self._there(seen, now), now)
 
+    def brake_where_it_is(self, seen: GimbalFeedback, now: float) -> None:
+        """Brake from where it is seen what was to brake, or to stay, and gets no set-points though it is heard.
+
+        It is far from its plan then, and slower than half of it: once it gets set-points again, those of the plan would
+        lead it on at its own speed. What has once obeyed stays where it was told to.
+        """
+        motion = self.motion
+        if motion is None or not self.may_be_unheard or now - seen.time > FRESH_S:
+            return
+        (angle, rate), (far, lag) = motion.at(seen.time), self._astray
+        onward = seen.rate * math.copysign(1.0, rate)  # what swings back comes to rest by itself
+        slow = onward < abs(rate) / 2 if rate else abs(seen.rate) < self._still
+        if slow and abs(angle - seen.angle) > far + lag * abs(rate):
+            position, velocity = self._there(seen, now)
+            self.settle(position, velocity if onward > 0.0 else 0.0, now)
+
     def forget_late_brake(self, now: float) -> None:
         """Brake no more what somebody else turned, if this program was held up: they may have turned it since."""
         if self.late(self.braking, now) > PAUSE_S:
@@ -103,6 +120,7 @@ class YawSetPoints(SetPoints):
         there = motion is None or abs(seen.angle - motion.plan.goal) <= resolution
         if not (over and there and rate == 0.0) or self.restless == math.inf:
             self.restless = now
+        self.obeyed = self.obeyed or now - self.restless >= RESTED_S
         return rate, now - self.restless
 
     def rests_sooner_as_planned(self, seen: GimbalFeedback, now: float) -> bool:
