@@ -16,6 +16,7 @@ from types import TracebackType
 from typing import Self
 
 from ross_payload import config
+from ross_payload.actuators.driver_shell import HELD_UP_S
 from ross_payload.actuators.guard_checks import (
     STILL_RAD_S,
     checked_angle,
@@ -198,6 +199,8 @@ class Guard:
 
     def poll(self, now: float) -> None:
         """Poll the actuator and run the watchdog at ``now`` [s]; whatever a driver raises here is a fault."""
+        if now - self._polled_at > HELD_UP_S:
+            self._monitor.on_pause(now)
         trouble, at_fault = self._polled(now), bool(self._fault)
         turns_on = self._monitor.turns_on(now)
         self._polled_at = now
@@ -306,6 +309,7 @@ class Guard:
             return ActuatorState(0.0, 0.0, False, homed=False, healthy=False, time=-math.inf, fault=driver_broke(error))
 
     def _doubt(self, state: ActuatorState) -> str:
+        state = self._monitor.believed(state)
         when = judged_at(state, self._polled_at, self._clock.now())
         return self._unfit or doubt(state, when, self._rules.watchdog_s)
 

@@ -32,6 +32,9 @@ class MotionMonitor:
         self.stopped = False  # a stop is latched
         self._rested = False  # it has been at rest since the last request
         self._turning_since = math.inf  # in spite of a stop, after it was at rest [s]
+        self._settled = False  # it was at rest at its goal by the last report
+        self._reported_at = -math.inf  # that [s]
+        self._resumed = -math.inf  # when a pause of this program ended that began at rest [s]
 
     def forget(self) -> None:
         """Expect nothing."""
@@ -45,6 +48,15 @@ class MotionMonitor:
         self.forget()
         self.shared, self._rest_by = True, rest_by
 
+    def on_pause(self, now: float) -> None:
+        """Give what rested at its goal before a pause of this program, over at ``now`` [s], time to report anew."""
+        if self._settled and self.goal is not None and self._reported_at > self._resumed:
+            self._resumed = now
+
+    def believed(self, state: ActuatorState) -> ActuatorState:
+        """Return a report, dated by the end of the pause of this program that it is older than, if any."""
+        return replace(state, time=self._resumed) if state.time < self._resumed else state
+
     def expect_request(self) -> None:
         """Until `request_sent` or `request_refused`, no report can be the answer."""
         self.since = math.inf
@@ -52,6 +64,7 @@ class MotionMonitor:
     def request_sent(self, now: float) -> None:
         """From ``now`` [s] on, reports can be the answer; it has max_move_s."""
         self.since, self._deadline = now, now + self._rules.max_move_s
+        self._settled, self._resumed = False, -math.inf
 
     def request_refused(self, now: float) -> None:
         """Go on with the last request; what is not begun is not waited for."""
@@ -98,6 +111,7 @@ class MotionMonitor:
         """See which expectations a report fulfils."""
         if not state.time > self.since:
             return
+        self._settled, self._reported_at = state.settled, state.time
         self._well = self._well or state.healthy
         if abs(state.rate) <= STILL_RAD_S:
             self._rest_by, self._rested, self._turning_since = math.inf, True, math.inf
@@ -114,6 +128,7 @@ class MotionMonitor:
 
     def _silence(self, state: ActuatorState, now: float) -> str:
         known = max(self.opened, min(self.since, now)) if self.doing == HOMING else self.opened
+        state = self.believed(state)
         believed = replace(state, time=known) if state.time < known else state
         return doubt(believed, now, self._rules.watchdog_s)
 

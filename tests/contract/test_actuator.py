@@ -35,6 +35,7 @@ LONGEST_PAUSE = {
     "mavlink_gimbal:manager": 0.4,
     "vehicle_yaw:offboard": 0.4,
 }
+LONGEST_PAUSE_AT_REST = {"canopen_drive": 0.3, "vehicle_yaw:offboard": 0.9}  # [s]: its own watchdog, its autopilot's
 ROLES = {  # that run with every test; the other tests take every back end in its first role, and all roles in soak
     "test_it_reaches_every_goal_the_long_way_round_too_and_settles_there": TOLD_OTHERWISE,
     "test_stop_halts_within_the_braking_distance_and_100_ms_of_travel": TOLD_OTHERWISE,
@@ -180,6 +181,23 @@ def test_a_pause_of_the_whole_computer_is_no_fault(rig: Rig, kind: str, polled_f
         rig.settle(within=8.0)
         assert rig.state.healthy
         assert rig.far_end.angle() == pytest.approx(goal, abs=rig.tolerance)
+
+
+@pytest.mark.parametrize("pause", [0.7, *in_soak(1.5, 4.0)])
+def test_a_pause_of_the_payload_at_rest_is_no_fault(rig: Rig, kind: str, pause: float) -> None:
+    """But where a watchdog of the device has taken its torque, or the autopilot has left its mode."""
+    if pause > LONGEST_PAUSE_AT_REST.get(kind, 5.0):
+        return
+    rig.actuator.command(0.3)
+    rig.settle(within=5.0)
+    rig.clock.sleep(0.5)
+    rig.pause(pause)
+    for _ in range(100):
+        rig.clock.sleep(QUANTUM)
+        assert rig.state.healthy, rig.state
+    assert rig.state.settled
+    rig.actuator.command(0.5)
+    rig.settle(within=5.0)
 
 
 @pytest.mark.parametrize("pause", [0.3, 0.4, *in_soak(1.0, 3.0)])

@@ -310,6 +310,61 @@ def test_a_pause_of_the_whole_computer_makes_no_report_stale_until_the_pump_has_
         assert guard.state().healthy
 
 
+def at_its_goal_before_a_pause(pause: float, *, jammed: bool = False) -> tuple[FakeClock, Device, Guard]:
+    """A guard at its first poll after a pause, before which the device rested at its goal or was on its way there.
+
+    It reports late, as one that tells its position only when it is asked.
+    """
+    clock, device = FakeClock(), Device()
+    guard = Guard(device, config.Guard(watchdog_s=0.5), clock).__enter__()
+    device.jammed = jammed
+    for request in (lambda: None, lambda: guard.command(1.0), lambda: None):
+        guard.poll(clock.now())
+        request()
+        clock.sleep(0.01)
+    guard.poll(clock.now())
+    device.silent = True
+    clock.sleep(pause)
+    guard.poll(clock.now())
+    return clock, device, guard
+
+
+def test_a_pause_at_rest_is_no_fault_when_a_report_comes_soon_after_it() -> None:
+    clock, device, guard = at_its_goal_before_a_pause(1.5)
+    assert guard.state().healthy
+    clock.sleep(0.02)
+    device.silent = False
+    guard.poll(clock.now())
+    assert guard.state().healthy
+    assert guard.state().settled
+
+
+def test_silence_after_a_pause_at_rest_is_a_fault_after_its_time() -> None:
+    clock, _, guard = at_its_goal_before_a_pause(1.5)
+    for _ in range(50):
+        clock.sleep(0.01)
+        guard.poll(clock.now())
+        assert guard.state().healthy
+    clock.sleep(0.02)
+    guard.poll(clock.now())
+    assert "no report for" in guard.state().fault
+    with pytest.raises(ActuatorFault, match="re-arm first"):
+        guard.command(0.0)
+
+
+def test_silence_at_rest_is_a_fault_also_where_every_poll_comes_late() -> None:
+    clock, _, guard = at_its_goal_before_a_pause(0.2)
+    for _ in range(4):
+        clock.sleep(0.2)
+        guard.poll(clock.now())
+    assert "no report for" in guard.state().fault
+
+
+def test_a_pause_in_a_move_is_a_fault_when_no_report_has_come_by_its_end() -> None:
+    _, _, guard = at_its_goal_before_a_pause(1.5, jammed=True)
+    assert "no report for" in guard.state().fault
+
+
 def test_without_a_pump_every_report_grows_stale() -> None:
     clock = FakeClock()
     with Guard(Device(), config.Guard(watchdog_s=0.5), clock) as guard:

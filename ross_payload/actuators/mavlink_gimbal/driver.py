@@ -55,6 +55,8 @@ class MavlinkGimbal(Driver):
         self._blind = False  # it has not reported for a while, so that nobody knows whether it got the set-points
         self._stale_at = -math.inf  # when it had not reported for a while last [s]
         self._found_at = -math.inf  # when the gimbal was found [s]
+        self._led_since = -math.inf  # without a pause of this program that the gimbal has outlasted at rest [s]
+        self._read_at = math.inf  # [s]
         self._known = False  # the latest report tells where it is
         self._fault = ""
         self._settled = False  # as last published
@@ -80,6 +82,9 @@ class MavlinkGimbal(Driver):
 
     def read(self, now: float) -> None:
         """Take in what has arrived."""
+        if self._settled and now - self._read_at > diagnostics.STALE_REPORT_S:
+            self._led_since = now
+        self._read_at = now
         for received in self._port.receive():
             self._on_packet(received, now)
         if isinstance(self._peer, GimbalManagerClient):
@@ -273,7 +278,7 @@ class MavlinkGimbal(Driver):
             or self._options.travel_trouble(peer.travel)
             or diagnostics.silence(seen, now, peer.heard_at if isinstance(peer, GimbalManagerClient) else None)
             or diagnostics.lost_turn(seen)
-            or diagnostics.failures(seen, now - self._found_at)
+            or diagnostics.failures(seen, now - max(self._found_at, self._led_since))
         )
 
 
