@@ -53,6 +53,7 @@ class MavlinkGimbal(Driver):
         self._held = False  # somebody holds it for a task: only then others are kept from turning it
         self._pending: Move | None = None  # waits until we are in control
         self._blind = False  # it has not reported for a while, so that nobody knows whether it got the set-points
+        self._cut_off = False  # meanwhile nothing came over the link at all
         self._stale_at = -math.inf  # when it had not reported for a while last [s]
         self._found_at = -math.inf  # when the gimbal was found [s]
         self._led_since = -math.inf  # without a pause of this program that the gimbal has outlasted at rest [s]
@@ -142,14 +143,14 @@ class MavlinkGimbal(Driver):
             return
         if now - self._feedback.time > diagnostics.STALE_REPORT_S:
             self._blind, self._stale_at = True, now
+            self._cut_off = self._cut_off or self._hears_nobody(peer, now)
         elif self._blind and now - self._stale_at < RESUME_S:
             return  # where it is now, the latest report will tell
         elif self._blind or self._plan.motion is None:
             self._begin(now)
         self._look_whether_it_follows(now)
         motion = self._plan.motion
-        unled = motion is not None and self._blind and self._feedback.time < motion.end < now - HOLD_PERIOD_S
-        if motion is None or unled:
+        if motion is None or (self._blind and self._may_be_unled(motion, now)):
             return  # a gimbal that has got no set-points would be led on by the first one, before it is heard
         due = self._plan.due(motion, HOLD_PERIOD_S if self._settled else SET_POINT_PERIOD_S, now)
         if due is not None:
@@ -229,7 +230,7 @@ class MavlinkGimbal(Driver):
         self._feedback.clear_doubts()
         if self._pending is not None or not self._plan.rests_sooner_as_planned(self._feedback, now):
             self._plan.resume(self._feedback, self._pending, now)
-        self._pending, self._blind = None, False
+        self._pending, self._blind, self._cut_off = None, False, False
 
     def _give_back(self, peer: GimbalManagerClient, motion: Motion, now: float) -> None:
         """Release control when the gimbal rests; its manager keeps it at the last set-point."""
@@ -239,6 +240,15 @@ class MavlinkGimbal(Driver):
             self._plan.motion = None
             for message in peer.due(now):
                 self._port.send(message)
+
+    def _hears_nobody(self, peer: GimbalManagerClient | GimbalDeviceClient, now: float) -> bool:
+        told_at = peer.heard_at if isinstance(peer, GimbalManagerClient) else -math.inf
+        return now - max(self._feedback.arrived_at, told_at) > diagnostics.STALE_REPORT_S
+
+    def _may_be_unled(self, motion: Motion, now: float) -> bool:
+        """Tell whether it moved unheard to the end of its plan, or is to brake and may have got no set-points."""
+        seen_at = self._feedback.time
+        return (self._cut_off and self._plan.brakes_after(seen_at)) or seen_at < motion.end < now - HOLD_PERIOD_S
 
     def _stand_aside(self, peer: GimbalManagerClient | GimbalDeviceClient, now: float) -> None:
         """Send no set-points but those that brake, on a stop, what somebody else turns."""
