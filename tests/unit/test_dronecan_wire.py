@@ -69,6 +69,14 @@ def test_looking_at_a_silent_bus_never_waits(bus, wire):
     assert time.monotonic() - begin < 20.0  # 0.1 s a look, on a computer that has much else to do
 
 
+def test_looking_at_a_silent_bus_never_waits_for_a_clock_that_is_set_back_meanwhile(wire, monkeypatch):
+    times = iter([5.0, 2.0])
+    monkeypatch.setattr("can.bus.time", lambda: next(times, 9.0))
+    begin = time.monotonic()
+    assert wire.receive() == []
+    assert time.monotonic() - begin < 2.0
+
+
 def test_closing_twice_is_once(wire):
     wire.close()
     wire.close()

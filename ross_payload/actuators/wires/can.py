@@ -59,12 +59,19 @@ class CanPort:
             When the bus is down.
         """
         try:
-            arrived = list(islice(iter(lambda: self._bus.recv(0), None), MAX_FRAMES_PER_READ))
+            arrived = list(islice(iter(self._next, None), MAX_FRAMES_PER_READ))
         except (can.CanError, OSError) as error:
             raise LinkError(f"wire '{self._url}' is down: {_why(error)}") from error
         return [
             CanFrame(each.arbitration_id, bytes(each.data), each.is_extended_id) for each in arrived if _is_data(each)
         ]
+
+    def _next(self) -> can.Message | None:
+        """Return the next frame that has arrived, of a bus without filters.
+
+        It is what `recv` calls, which waits on a silent bus for as long as the system's clock is set back meanwhile.
+        """
+        return self._bus._recv_internal(0)[0]
 
     def close(self) -> None:
         """Leave the bus; idempotent."""
