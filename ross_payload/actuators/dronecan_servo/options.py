@@ -31,7 +31,9 @@ class Options(Table):
     upper_deg: Degrees = 200.0  # the other end
     at_lower: float | None = None  # value of the command at lower_deg; absent: -1, or 1000 us
     at_upper: float | None = None  # value of the command at upper_deg; absent: 1, or 2000 us
-    feedback: Literal["measured", "model"] = "measured"  # model: for a servo without position in its Status
+    feedback: Literal["measured", "model"] = (
+        "measured"  # model: for a servo without position in its Status, let go if it is stopped unheard for 0.3 s
+    )
     gear_ratio: Annotated[float, Field(ge=-1000, le=1000)] = 1.0  # turns of the servo per turn of the array, signed
     zero_position_deg: Degrees = 0.0  # position of the servo at joint angle 0
     resolution_deg: Positive = 0.25  # how near to a goal the servo comes
