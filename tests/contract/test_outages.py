@@ -99,6 +99,20 @@ def test_a_stop_in_an_outage_of_set_points_alone_is_one_too(led: str, stopped: f
     rig.actuator.__exit__(None, None, None)
 
 
+@pytest.mark.parametrize("led", ["mavlink_gimbal", "dronecan_servo", *in_soak(*LED_TOO)])
+def test_closing_after_an_outage_of_set_points_alone_leads_nothing_on(led: str) -> None:
+    rig = rig_of(led).open()
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(0.8)
+    rig.wire.one_way = True
+    rig.clock.sleep(0.4)
+    rig.wire.one_way = False
+    here = rig.far_end.angle()
+    rig.actuator.__exit__(None, None, None)
+    rig.clock.sleep(3.0)
+    assert rig.far_end.angle() - here < math.radians(15)
+
+
 @pytest.mark.parametrize("stopped", [0.05, 0.38])
 @pytest.mark.parametrize("led", ["dronecan_servo", *in_soak("dronecan_servo:gimbal")])
 def test_a_servo_that_is_to_brake_gets_no_set_points_before_it_is_heard_again(

@@ -118,9 +118,7 @@ class MavlinkGimbal(Driver):
             return
         if not isinstance(request, Move):
             self._pending = None
-            self._plan.halt(now)
-            if self._known:
-                self._plan.brake_where_it_is(self._feedback, now)
+            self._halt(now)
         elif self._plan.motion is None or self._blind:
             self._pending = request
         else:
@@ -176,7 +174,7 @@ class MavlinkGimbal(Driver):
         self.read(now)
         known = not self._blind and now - self._feedback.time <= diagnostics.STALE_REPORT_S
         if self._plan.motion is not None and self._peer is not None and self._peer.ready and known:
-            self._plan.halt(now)
+            self._halt(now)
             self._port.send(self._peer.point(self._plan.motion.plan.goal))
         for message in self._peer.leave() if self._peer is not None else ():
             self._port.send(message)
@@ -224,6 +222,12 @@ class MavlinkGimbal(Driver):
             self._plan.brake(self._feedback, now)
 
     # ------------------------------------------------------------------------------------------ leading
+
+    def _halt(self, now: float) -> None:
+        """Brake, from where it is seen if it gets no set-points."""
+        self._plan.halt(now)
+        if self._known:
+            self._plan.brake_where_it_is(self._feedback, now)
 
     def _begin(self, now: float) -> None:
         """We are in control, or see the gimbal again."""
