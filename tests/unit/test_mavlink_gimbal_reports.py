@@ -194,3 +194,19 @@ def test_a_gimbal_that_restarts_in_a_move_while_the_payload_is_held_up_is_a_faul
     here = rig.far_end.angle()
     rig.clock.sleep(3.0)
     assert rig.far_end.angle() == pytest.approx(here, abs=math.radians(1))
+
+
+@pytest.mark.parametrize(
+    ("told", "believed"), [(0.5, 0.5), (1.2, 1.2), (28.6, 0.5), (-28.6, 0.5), (1e30, 0.5), (None, 0.5), (0.0, 0.0)]
+)
+def test_a_rate_is_believed_that_is_not_much_faster_than_the_angles_change(told: float | None, believed: float) -> None:
+    seen = GimbalFeedback(-2.0, 2.0, max_speed=math.radians(90))
+    for n in range(10):
+        seen.on_report(GimbalAttitude(n / 50, 0.5 * n / 50, told, False, 0, 0), n / 50, own=True)
+    assert seen.rate == pytest.approx(believed)
+
+
+def test_a_rate_that_nothing_confirms_is_at_most_what_a_gimbal_turns_with() -> None:
+    seen = GimbalFeedback(-2.0, 2.0, max_speed=1.0)
+    seen.on_report(GimbalAttitude(0.0, 0.0, 1e30, False, 0, 0), 0.0, own=True)
+    assert seen.rate == 1.5

@@ -218,6 +218,25 @@ def test_a_stop_while_idle_brakes_what_a_pilot_turns_and_takes_no_control(releas
     assert released.state.healthy
 
 
+def test_a_stop_of_a_gimbal_that_reports_its_rate_in_degrees_does_not_turn_it_to_the_end_of_its_travel(released):
+    receive = released.far_end.port.receive
+
+    def in_degrees():
+        arrived = receive()
+        for each in arrived:
+            if each.packet.name == "GIMBAL_DEVICE_ATTITUDE_STATUS":
+                each.packet.message.angular_velocity_z *= math.degrees(1)
+        return arrived
+
+    released.far_end.port.receive = in_degrees
+    released.point(-90.0)
+    released.clock.sleep(0.7)
+    here = released.far_end.angle()
+    released.actuator.stop()
+    released.clock.sleep(2.0)
+    assert here < released.far_end.angle() < here + math.radians(45)
+
+
 def test_a_stop_brakes_nothing_that_a_pilot_has_begun_while_the_payload_was_held_up(released):
     """The end of the old braking may be the short way round by now, and beyond the travel."""
     held_up = [False]

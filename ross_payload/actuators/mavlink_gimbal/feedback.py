@@ -14,6 +14,7 @@ VEHICLE_TIMEOUT_S = 0.5  # [s]: a vehicle's attitude that is older turns no yaw 
 # [s] after a report of the device itself in which its manager's prove nothing: for 1 s they repeat it
 OWN_REPORT_S = 2.0
 JUMP_RAD, OVERSPEED = math.radians(2), 1.5  # no gimbal turns farther between two reports, nor faster than this share
+RATE_FACTOR, RATE_MARGIN_RAD_S = 2.0, math.radians(20)  # of how fast its angles change, a reported rate may be
 MARGIN_RAD = math.radians(5)  # by which a gimbal at an end of its travel may seem to be beyond it
 JUMP_WEIGHT, MAX_JUMPS = 6, 12  # of a jump against a report without one, and the balance that is no accident
 
@@ -123,10 +124,23 @@ class GimbalFeedback:
         goes_on = self._known and (self.unseen or not (doubtful and turns))
         first = turns[0] if doubtful and turns else self._first(wrap(yaw))
         angle = self.angle + wrap(yaw - self.angle) if goes_on else first
-        self.rate = (angle - self.angle) / passed if rate is None and 0 < passed < VEHICLE_TIMEOUT_S else rate or 0.0
+        self.rate = self._rate_of(rate, angle, passed)
         jumped = goes_on and abs(angle - self.angle) > JUMP_RAD + OVERSPEED * self.max_speed * max(passed, 0.0)
         self._jumps = min(self._jumps + JUMP_WEIGHT, 2 * MAX_JUMPS) if jumped else max(self._jumps - 1, 0)
         self.angle, self.time, self._known = angle, time, True
+
+    def _rate_of(self, rate: float | None, angle: float, passed: float) -> float:
+        """Return a reported rate [rad/s], or how fast the angle changes where that is missing or much less.
+
+        A brake is planned with it: one in degrees per second, say, would lead on to the end of the travel.
+        """
+        changes = (angle - self.angle) / passed if 0 < passed < VEHICLE_TIMEOUT_S else None
+        if rate is None:
+            return changes or 0.0
+        if changes is not None and abs(rate) > RATE_FACTOR * abs(changes) + RATE_MARGIN_RAD_S:
+            return changes
+        fastest = OVERSPEED * self.max_speed
+        return min(max(rate, -fastest), fastest) if changes is None else rate
 
     def _first(self, yaw: float) -> float:
         """Choose a turn inside the travel; where two are, the one near zero."""
