@@ -372,3 +372,25 @@ def test_a_goal_that_is_given_while_reports_come_again_is_reached(monkeypatch):
     rig.actuator.command(0.3)
     rig.settle()
     assert rig.far_end.angle() == pytest.approx(0.3, abs=math.radians(0.2))
+
+
+@pytest.mark.parametrize("stopped", [True, False])
+def test_a_bare_gimbal_that_was_without_power_is_not_turned_back_to_where_it_was(stopped):
+    """Somebody may have turned it by hand meanwhile, and still have the hand there."""
+    rig = Bench("manager", autopilot=False)
+    rig.clock.sleep(1.0)
+    rig.actuator.command(0.8)
+    rig.settle()
+    if stopped:
+        rig.actuator.stop()
+    rig.clock.sleep(1.0)
+    wire, rig.far_end.port.send = rig.far_end.port, lambda message: None
+    receive, wire.receive = wire.receive, lambda: receive() and []
+    rig.clock.sleep(4.0)
+    rig.device.angle = -0.4
+    rig.device.restart()
+    del wire.send, wire.receive
+    for _ in range(300):
+        rig.clock.sleep(QUANTUM)
+        assert rig.far_end.angle() == pytest.approx(-0.4, abs=math.radians(0.5))
+    assert rig.state.angle == pytest.approx(-0.4, abs=math.radians(0.5))

@@ -39,6 +39,7 @@ from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
 # between those of a gimbal that rests at its goal [s]; a device gives up a manager silent for about 1 s
 HOLD_PERIOD_S = 0.1
 RESUME_S = 0.1  # [s] after a silence in which reports that have waited on their way arrive all at once
+GONE_S = 3.0  # [s] unheard, and it may have been without power, and not be where it was
 SETTLE_TIMEOUT_S = 1.0  # [s] at most after the end of a motion, until control is released
 
 
@@ -250,9 +251,10 @@ class MavlinkGimbal(Driver):
         return now - max(self._feedback.arrived_at, told_at) > diagnostics.STALE_REPORT_S
 
     def _may_be_unled(self, motion: Motion, now: float) -> bool:
-        """Tell whether it moved unheard to the end of its plan, or is to brake and may have got no set-points."""
+        """Tell whether it moved unheard to the end of its plan, may be at rest before it, or been turned by hand."""
         seen_at = self._feedback.time
-        return (self._cut_off and self._plan.brakes_after(seen_at)) or seen_at < motion.end < now - HOLD_PERIOD_S
+        brakes = self._cut_off and self._plan.brakes_after(seen_at)
+        return brakes or seen_at < motion.end < now - HOLD_PERIOD_S or now - seen_at > GONE_S
 
     def _stand_aside(self, peer: GimbalManagerClient | GimbalDeviceClient, now: float) -> None:
         """Send no set-points but those that brake, on a stop, what somebody else turns."""
