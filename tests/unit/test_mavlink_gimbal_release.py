@@ -92,6 +92,20 @@ def test_control_is_kept_and_given_back_by_a_payload_that_was_held_up():
     assert rig.primary == FREE
 
 
+@pytest.mark.parametrize("moved", [0.3, 3.0])
+@pytest.mark.parametrize("mute", [1.0, 5.0])
+def test_control_is_given_back_also_while_nothing_is_heard_of_the_gimbal_itself(mute, moved):
+    rig = Bench()
+    rig.actuator.take_control()
+    rig.actuator.command(0.4)
+    rig.clock.sleep(moved)
+    rig.device.mute = True
+    rig.clock.sleep(mute)
+    rig.actuator.release_control()
+    rig.clock.sleep(4.0)
+    assert rig.primary == FREE
+
+
 @pytest.mark.parametrize("outage", [2.5, 6.0])
 def test_control_is_given_back_after_an_outage_of_the_link_in_which_a_task_ended(outage):
     rig = Bench()

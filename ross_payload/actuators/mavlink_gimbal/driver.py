@@ -149,13 +149,14 @@ class MavlinkGimbal(Driver):
             self._begin(now)
         self._look_whether_it_follows(now)
         motion = self._plan.motion
-        if motion is None or (self._blind and self._may_be_unled(motion, now)):
-            return  # a gimbal that has got no set-points would be led on by the first one, before it is heard
-        due = self._plan.due(motion, HOLD_PERIOD_S if self._settled else SET_POINT_PERIOD_S, now)
+        if motion is None:
+            return
+        unled = self._blind and self._may_be_unled(motion, now)  # the first set-point would lead it on unheard
+        due = None if unled else self._plan.due(motion, HOLD_PERIOD_S if self._settled else SET_POINT_PERIOD_S, now)
         if due is not None:
             self._port.send(peer.point(due))
-        if not self._held and isinstance(peer, GimbalManagerClient):
-            self._give_back(peer, motion, now)
+        if not self._held and isinstance(peer, GimbalManagerClient) and not (unled and self._hears_nobody(peer, now)):
+            self._give_back(peer, motion, now, unled=unled)
 
     def snapshot(self, now: float) -> ActuatorState:
         """Return the state at ``now`` [s]; its encoder knows its zero."""
@@ -237,10 +238,11 @@ class MavlinkGimbal(Driver):
             self._plan.resume(self._feedback, self._pending, now)
         self._pending, self._blind, self._cut_off = None, False, False
 
-    def _give_back(self, peer: GimbalManagerClient, motion: Motion, now: float) -> None:
+    def _give_back(self, peer: GimbalManagerClient, motion: Motion, now: float, *, unled: bool) -> None:
         """Release control when the gimbal rests; its manager keeps it at the last set-point."""
         if now >= motion.end and (self._settled or now >= motion.end + SETTLE_TIMEOUT_S):
-            self._port.send(peer.point(motion.plan.goal))
+            if not unled:
+                self._port.send(peer.point(motion.plan.goal))
             peer.release_control()
             self._plan.motion = None
             for message in peer.due(now):
