@@ -40,9 +40,9 @@ PROGRAMS = [
     ("how-to/add-your-own-sink", "# my_sink.py", "tests/dist/test_own_sink.py"),
     ("how-to/command-the-payload", "command_long_send", "tests/process/test_guides.py"),
     ("how-to/command-the-payload", "divmod", "tests/unit/ground/test_guide_scripts.py"),
-    ("how-to/dronecan-node", "TYPENAMES", "tests/unit/test_dronecan_report.py"),
+    ("how-to/dronecan-node", "TYPENAMES", "tests/unit/dronecan/test_dronecan_report.py"),
     ("how-to/enrol-by-pointing", "payload.enrol", "tests/unit/ground/test_guide_scripts.py"),
-    ("how-to/enter-your-method", "# my_method.py", "tests/unit/test_benchmark.py"),
+    ("how-to/enter-your-method", "# my_method.py", "tests/unit/study/test_benchmark.py"),
     ("how-to/ground-stations", "unwrap", "tests/interop/test_ground_stations.py"),
     ("how-to/interoperate", "MavlinkDirect", "tests/interop/test_mavsdk.py"),
     ("how-to/interoperate", "runpy", "tests/interop/test_mavproxy.py"),
@@ -53,7 +53,7 @@ PROGRAMS = [
     ("how-to/script-the-ground", "payload.events()", "tests/process/test_guides.py"),
     ("how-to/script-the-ground", "session_description", "tests/unit/ground/test_payload_client_streams.py"),
     ("how-to/script-the-ground", "turn_both", "tests/unit/ground/test_guide_scripts.py"),
-    ("how-to/simulate-devices", "socketcand", "tests/unit/test_hub.py"),
+    ("how-to/simulate-devices", "socketcand", "tests/unit/actuators/test_hub.py"),
     ("how-to/turntable-as-gimbal", "gimbal_list", "tests/interop/test_turntable_gimbal.py"),
     ("how-to/use-the-rest-interface", "urllib", "tests/process/test_rest_guide.py"),
     ("how-to/use-the-rest-interface", "ross_ground_client", "tests/process/test_rest_guide.py"),
@@ -91,8 +91,8 @@ def readers(test):
     """A test's file, and what it has its pages from."""
     if test is None:
         return []
-    beside = (ROOT / test).with_name("conftest.py")
-    return [ROOT / test, beside, *(ROOT / "tests" / "support").glob("own_*.py")]
+    above = [folder / "conftest.py" for folder in (ROOT / test).parents if (folder / "conftest.py").is_file()]
+    return [ROOT / test, *above, *(ROOT / "tests" / "support").glob("own_*.py")]
 
 
 def test_every_program_of_the_table_is_printed():

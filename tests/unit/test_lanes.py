@@ -11,10 +11,10 @@ from lanes import TESTS, imports_of, lane_of
 @pytest.mark.parametrize(
     ("place", "markers", "imports", "lane"),
     [
-        ("unit/test_stft.py", ["timeout"], ["numpy"], "pure"),
+        ("unit/dsp/test_stft.py", ["timeout"], ["numpy"], "pure"),
         ("unit/ground/test_page.py", [], ["socket"], "process"),
         ("unit/test_links.py", [], ["waiting"], "process"),
-        ("unit/test_homing.py", ["lockstep"], ["threading"], "lockstep"),
+        ("unit/actuators/test_homing.py", ["lockstep"], ["threading"], "lockstep"),
         ("contract/test_port.py", [], [], "lockstep"),
         ("dist/test_wheel.py", [], ["subprocess"], "process"),
         ("process/test_run.py", [], [], "process"),

@@ -14,7 +14,7 @@ from ross_sim.study.page_tables import BLOCK, tables_of, with_tables, write_page
 from ross_sim.study.rows.live_tables import Row, appended, tables
 from ross_sim.study.rows.tables import Table
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[3] / "docs"
 PAGES = sorted(path for suffix in ("md", "inc") for path in DOCS.rglob(f"*.{suffix}") if "_build" not in path.parts)
 MADE = [page for page in PAGES if BLOCK.search(page.read_text(encoding="utf-8"))]
 MEASURED = [

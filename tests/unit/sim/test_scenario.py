@@ -172,6 +172,6 @@ def test_impossible_cast_is_refused(talkers, target, message):
 
 
 def test_the_manual_lists_every_scenario_with_its_title():
-    page = (Path(__file__).parents[2] / "docs" / "how-to" / "write-a-scenario.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "write-a-scenario.md").read_text(encoding="utf-8")
     listed = re.findall(r"^\| `([a-z0-9-]+)` \| (.+) \|$", page.split("## Scenarios that come")[1], re.MULTILINE)
     assert dict(line for line in listed if "|" not in line[1]) == {name: load(name).title for name in names()}

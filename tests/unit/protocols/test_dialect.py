@@ -14,7 +14,7 @@ from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import MESSAGES, ross
 from ross_protocols.mavlink.message_map import LAYOUTS, Field
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 XML = ElementTree.parse(ROOT / "protocols" / "mavlink" / "ross.xml").getroot()  # noqa: S314
 OURS = {message.get("name"): message for message in XML.iter("message")}
 OUR_LAYOUTS = [layout for layout in LAYOUTS if layout.message.msgname in OURS]

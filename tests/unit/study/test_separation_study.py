@@ -12,7 +12,7 @@ from ross_sim.study.runs.talker_placement import Source
 from ross_sim.study.scenes.mixtures import VOICES, aligned_heading, layouts
 from ross_sim.study.scenes.room_settings import PLANES
 
-SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / "shared" / "speech"))
+SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[4] / "shared" / "speech"))
 FLOORS = {"S1": (15.0, 13.5, 12.0), "S2": (12.2, 11.0, 9.5), "S3": (9.0, 9.5, 8.5)}  # [dB] for K = 3, 4, 5
 
 

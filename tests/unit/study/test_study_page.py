@@ -17,7 +17,7 @@ from ross_sim.study.runs.mission_design import MissionStudy
 from ross_sim.study.runs.study_design import PRESETS, Study, chosen, tasks
 from ross_sim.study.scenes.room_settings import SETTINGS
 
-PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "study.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "reference" / "study.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", Study.model_fields)

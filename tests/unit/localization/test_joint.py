@@ -31,7 +31,7 @@ RATE = 16000
 STFT = Stft(RATE, 512, 128)
 BAND = slice(10, 115)
 STEP = np.deg2rad(15)
-SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / "../shared/speech"))
+SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / "../shared/speech"))
 
 
 def scene(

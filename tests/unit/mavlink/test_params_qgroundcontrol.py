@@ -19,7 +19,7 @@ from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.ftp import Opcode, Packet, message_of, packet_of
 
 GCS, COPTER = 6, 2  # MAV_TYPE
-ACTIONS = Path(__file__).parents[2] / "docs" / "examples" / "qgroundcontrol-actions.json"
+ACTIONS = Path(__file__).parents[3] / "docs" / "examples" / "qgroundcontrol-actions.json"
 KINDS = {"label": str, "description": str, "mavCmd": int, "compId": int} | {
     f"param{n}": (int, float) for n in range(1, 8)
 }

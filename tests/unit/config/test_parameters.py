@@ -17,7 +17,7 @@ from ross_payload.config.parameter_table import TABLE, changed, value_of
 from ross_payload.errors import ConfigError
 from ross_payload.service.check import check_settable
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 names = st.sampled_from(list(TABLE))
 
 

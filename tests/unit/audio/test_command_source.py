@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-EXAMPLE = Path(__file__).parents[2] / "docs/examples/plugins/command_source/command_source.py"
+EXAMPLE = Path(__file__).parents[3] / "docs/examples/plugins/command_source/command_source.py"
 Program = runpy.run_path(str(EXAMPLE))["Program"]
 
 

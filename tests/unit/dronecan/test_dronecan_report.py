@@ -34,7 +34,7 @@ from ross_protocols.dronecan.ross_types import RossSource, RossSources, RossStat
 from ross_sim.devices.bus_nodes import lasts
 from session_bench import Likes
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture

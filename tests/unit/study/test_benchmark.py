@@ -26,7 +26,7 @@ from ross_sim.study.rows.row_files import as_csv, read_rows
 from ross_sim.study.runs.row_manifest import held
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
-TALKERS = Path(os.environ.get("ROSS_TALKERS", Path(__file__).parents[3] / "shared" / "talkers"))
+TALKERS = Path(os.environ.get("ROSS_TALKERS", Path(__file__).parents[4] / "shared" / "talkers"))
 PAGE = "docs/how-to/enter-your-method.md"
 K3 = ("S1-k3-00-aligned", "S1-k3-00-random")
 TURN = "S1-k3-00-turning"

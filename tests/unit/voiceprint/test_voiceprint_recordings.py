@@ -17,7 +17,7 @@ from ross_sim.talkers.speech import load_folder
 
 pytestmark = pytest.mark.lockstep
 
-SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / ".." / "shared" / "speech"))
+SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / ".." / "shared" / "speech"))
 READERS = Path(os.environ.get("ROSS_READERS", SPEECH.parent / "talkers"))
 RATE = 16_000
 

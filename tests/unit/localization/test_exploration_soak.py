@@ -17,7 +17,7 @@ from ross_sim.study.scenes.exploration import NEAR_DEG, RATE, explore, matched
 from ross_sim.study.scenes.mixtures import VOICES
 from ross_sim.study.scenes.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
 
-SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / "../shared/speech"))
+SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / "../shared/speech"))
 ROOMS = ("A0.3", "A0.45", "A0.7", "B0.3", "B0.45", "B0.7")
 KS = (3, 4, 5)
 SEED, LAYOUTS, ROTATIONS, WORKERS = 7, 5, 12, 2

@@ -29,7 +29,7 @@ SPACING, SPEED = 0.05, 343.0
 UNIT = SPACING / SPEED
 GRID = itd_grid(SPACING, SPEED, 241)
 WIDTH = 0.03  # of a peak [d / v_p]
-SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[2] / "../shared/speech"))
+SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / "../shared/speech"))
 MARKOV: Markov = explorer.make(SPACING, SPEED)
 
 
