@@ -188,9 +188,14 @@ def _end_in_words(error: SystemExit | MemoryError) -> str:
     """Say what ended a command; we raise no SystemExit in one, and its code would be taken for that of a mission."""
     if isinstance(error, MemoryError):
         return f"out of memory: {error}".rstrip(": ")
-    if isinstance(error.__context__, BrokenPipeError):  # of which click and rich make one
+    if isinstance(error.__context__, BrokenPipeError) or _unread():  # rich, and click, make one of that
         return ""
     return f"ended by a plug-in or a library, which asked Python to exit with {error.code!r}"
+
+
+def _unread() -> bool:
+    """Whether click has replaced standard output because its reader has gone; its SystemExit has no context then."""
+    return type(sys.stdout).__module__.partition(".")[0] == "click"
 
 
 def _lacking(error: ModuleNotFoundError) -> str:

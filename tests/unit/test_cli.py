@@ -1,6 +1,7 @@
 import errno
 import io
 import json
+import os
 import re
 import signal
 import subprocess
@@ -217,6 +218,17 @@ def test_what_asks_python_to_exit_does_not_end_a_command_with_its_own_exit_code(
     leaving = click.Command("leave", callback=lambda: sys.exit(0))
     monkeypatch.setitem(cli.ross.commands, "leave", leaving)
     assert run("leave") == (1, "", "ross: ended by a plug-in or a library, which asked Python to exit with 0\n")
+
+
+@pytest.mark.parametrize("asked", [["sitl", "--list"], ["--help"]])
+def test_a_reader_who_has_gone_is_no_fault(asked):
+    """As `ross sitl --list | head -1`: click ends the program then, as a plug-in might."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "ross_payload.cli", *asked]
+    with os.fdopen(writer, "wb") as output:
+        done = subprocess.run(command, stdout=output, stderr=subprocess.PIPE, text=True, check=False, timeout=60)
+    assert (done.returncode, done.stderr) == (1, "")
 
 
 @pytest.mark.parametrize(("said", "told"), [("Unable to allocate 4 MiB", ": Unable to allocate 4 MiB"), ("", "")])
