@@ -45,6 +45,8 @@ class CommaSeparated(click.ParamType[Any]):
         parts = [part.strip() for part in str(value).split(",") if part.strip()]
         try:
             found = tuple(map(self._value, parts))
+        except UnicodeEncodeError:
+            return self.fail(f"expected {self._what} in UTF-8, as the results are, got '{value}'", param, ctx)
         except ValueError:
             return self.fail(f"expected {self._what} separated by commas, got '{value}'", param, ctx)
         if not found and not self._empty:
@@ -55,6 +57,7 @@ class CommaSeparated(click.ParamType[Any]):
         return found
 
     def _value(self, part: str) -> Any:
+        part.encode()  # a file name in another encoding
         value = self._kind(part)
         if isinstance(value, int | float) and not (self._low <= value <= self._high and abs(value) < math.inf):
             raise ValueError(part)

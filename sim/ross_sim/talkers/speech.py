@@ -58,6 +58,8 @@ def load_folder(folder: Path, rate: int, only: Collection[str] = ()) -> tuple[Ta
             raise ConfigError(f"{folder}: two talkers are named '{entry.stem}': {entry.name} is the second")
         talkers[entry.stem] = [entry]
     wanted = sorted(name for name in talkers if talkers[name] and (not only or name in only))
+    for name in wanted:
+        _check_name(folder, name)
     voices = tuple(_voice(name, talkers[name], rate) for name in wanted)
     if not voices:
         raise ConfigError(f"{folder}: expected one sub-folder or one file ({_suffixes()}) per talker, got none")
@@ -110,7 +112,12 @@ def resampled(samples: np.ndarray, original: int, rate: int) -> Samples:
 def _voice(name: str, paths: Sequence[Path], rate: int) -> TalkerVoice:
     clips = [read(path, rate) for path in paths if path.stem.lower().startswith("enrol")]
     speech = [read(path, rate) for path in paths if not path.stem.lower().startswith("enrol")]
-    joined = np.concatenate(speech) if speech else np.zeros(0, dtype=np.float32)
+    if not speech:
+        raise ConfigError(
+            f"{paths[0]}: is an enrolment clip, without speech of its talker beside it: expected a folder that holds "
+            "one sub-folder or one file per talker"
+        )
+    joined = np.concatenate(speech)
     cut = 0 if clips else round(ENROLMENT * rate)
     if joined.size - cut < SHORTEST * rate:
         least = (
@@ -120,6 +127,14 @@ def _voice(name: str, paths: Sequence[Path], rate: int) -> TalkerVoice:
     if clips:
         return TalkerVoice(name, joined, np.concatenate(clips), rate)
     return TalkerVoice(name, joined[:-cut], joined[-cut:], rate)
+
+
+def _check_name(folder: Path, name: str) -> None:
+    """Refuse a name that cannot stand in results, which are UTF-8: file names may have another encoding."""
+    try:
+        name.encode()
+    except UnicodeEncodeError as error:
+        raise ConfigError(f"{folder}: talker '{name}': expected a name in UTF-8: rename it") from error
 
 
 def _recordings(folder: Path) -> list[Path]:

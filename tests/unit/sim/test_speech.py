@@ -1,4 +1,5 @@
 import logging
+import os
 
 import numpy as np
 import pytest
@@ -72,6 +73,24 @@ def test_useless_recording_is_refused_in_words(tmp_path, samples, message):
     write(tmp_path / "anna.wav", samples, subtype="FLOAT")
     with pytest.raises(ConfigError, match=message):
         load_folder(tmp_path, RATE)
+
+
+def test_the_folder_of_one_talker_is_no_folder_of_talkers(tmp_path):
+    write(tmp_path / "enrol.wav", tone(6))
+    write(tmp_path / "speech.wav", tone(6))
+    with pytest.raises(ConfigError, match=r"enrol\.wav: is an enrolment clip, without speech .* one sub-folder or"):
+        load_folder(tmp_path, RATE)
+
+
+def test_a_name_that_results_cannot_hold_is_refused_before_anything_is_done(tmp_path):
+    """A file name of another encoding: before, the results of a mission and of a study ended in a traceback."""
+    name = os.fsdecode(b"ren\xe9")
+    write(tmp_path / "anna.wav", tone(6))
+    write(tmp_path / "b.wav", tone(6))
+    (tmp_path / "b.wav").rename(tmp_path / f"{name}.wav")
+    with pytest.raises(ConfigError, match=f"talker '{name}': expected a name in UTF-8"):
+        load_folder(tmp_path, RATE)
+    assert [voice.name for voice in load_folder(tmp_path, RATE, only=["anna"])] == ["anna"]
 
 
 def test_a_rate_that_no_recording_has_is_refused(tmp_path):

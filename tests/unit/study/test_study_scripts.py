@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from argparse import ArgumentParser
 from pathlib import Path
 from types import ModuleType
@@ -60,6 +61,12 @@ MISTAKES = [
     pytest.param(live_separation.main, ["{out}"], "expected rows of the study", id="no rows"),
     pytest.param(live_separation.main, ["{out}", "--settings", "S1,S9"], "room 'S9' is unknown", id="setting"),
     pytest.param(live_separation.main, ["{out}", "--rates", "5"], "expected whole numbers from 8000", id="rate"),
+    pytest.param(
+        live_separation.main,
+        ["{out}", "--settings", os.fsdecode(b"\xe9.toml")],
+        "expected names in UTF-8, as the results are, got",
+        id="not UTF-8",
+    ),
     pytest.param(live_separation.main, ["{out}", "--k", ""], "separated by commas, got none", id="no k"),
     pytest.param(live_separation.main, ["{out}", "--seed", "-1"], "-1 is not in the range x>=0", id="live seed"),
     pytest.param(

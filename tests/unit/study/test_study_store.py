@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import shutil
 import sys
 import time
 from dataclasses import asdict, replace
@@ -194,6 +195,16 @@ def test_parquet_keeps_types_lists_and_what_is_not_known(tmp_path):
         assert {name: tuple(value) if isinstance(value, list) else value for name, value in first.items()} == {
             name: getattr(row, name) for name in columns(kind)
         }
+
+
+def test_a_study_may_be_in_a_folder_whose_name_is_not_utf_8(tmp_path):
+    pytest.importorskip("pyarrow", reason="needs the extra study")
+
+    folder = tmp_path / os.fsdecode(b"\xe9tude")
+    folder.mkdir()
+    row_files.write_parquet(folder / "rows.parquet", [FOUND], Exploration)
+    shutil.copy(folder / "rows.parquet", tmp_path)
+    assert read_rows(tmp_path / "rows.parquet", [Exploration]) == (Exploration, [FOUND])
 
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])

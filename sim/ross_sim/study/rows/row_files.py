@@ -147,6 +147,6 @@ def write_parquet(path: Path, rows: Iterable[Any], kind: type[Any]) -> None:
     import pyarrow.parquet as pq
 
     schema, left = parquet_schema(kind), iter(rows)
-    with pq.ParquetWriter(path, schema) as writer:
+    with path.open("wb") as file, pq.ParquetWriter(file, schema) as writer:  # of a path it takes UTF-8 only
         while batch := [asdict(row) for row in islice(left, BATCH)]:
             writer.write_table(pa.Table.from_pylist(batch, schema=schema))
