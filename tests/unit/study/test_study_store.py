@@ -1,5 +1,6 @@
 """The journal of a study loses nothing but what was cut short, and never mixes two studies."""
 
+import io
 import json
 import math
 import os
@@ -13,11 +14,12 @@ import pytest
 from rich.console import Console
 
 from ross_payload.errors import ConfigError, OutputError
+from ross_payload.plugins import install_line
 from ross_sim.study import calibration_study
 from ross_sim.study.rows import row_files
 from ross_sim.study.rows.result_rows import Exploration, Result, Separation, Timing, columns, decode
 from ross_sim.study.rows.row_files import as_csv, read_rows
-from ross_sim.study.runs import row_manifest, study_store, task_engine
+from ross_sim.study.runs import row_manifest, study_run, study_store, task_engine
 from ross_sim.study.runs.missions_run import CODE
 from ross_sim.study.runs.study_case import Failure
 from ross_sim.study.runs.study_design import Study, Task
@@ -276,3 +278,10 @@ def test_lines_tell_the_time_that_is_left(capsys):
     assert said[0] == "2 of 5 tasks were done before"
     assert said[-1].startswith("5 of 5 tasks")
     assert any("left" in line for line in said)
+
+
+def test_what_parquet_needs_is_a_line_that_can_be_copied(tmp_path, monkeypatch):
+    monkeypatch.setattr(study_run, "has_parquet", lambda: False)
+    console = Console(file=io.StringIO(), width=40)
+    study_run._print_summary(console, tmp_path, 1, 1.0, ())
+    assert f"No Parquet was written; it needs: {install_line('study')}\n" in console.file.getvalue()

@@ -21,9 +21,9 @@ def gains(rows: Sequence[GainRow]) -> Table:
         by_name = grouped(group, tool)
         lines.append((f"{setting}, K = {k}", *(_gains(by_name.get(name, [])) for name in names)))
     about = (
-        "dB: aligned with true azimuths, and the interval of this mean over the layouts, 95 % / aligned with estimated "
-        "azimuths where every talker was found / the same everywhere, a missed target counted as 0 dB / not aligned, "
-        "at the start headings."
+        "dB: aligned with true azimuths, and where there are several layouts the interval of this mean over them, 95 % "
+        "/ aligned with estimated azimuths where every talker was found / the same everywhere, a missed target counted "
+        "as 0 dB / not aligned, at the start headings."
     )
     return Table("Mean SI-SDRi", ("", *names), tuple(lines), about)
 

@@ -248,7 +248,7 @@ def write_rows(store: Store[Any], name: str, rows: Iterable[Any], kind: type[Any
 
 def _print_summary(console: Console, out: Path, n: int, seconds: float, failures: Sequence[Failure]) -> None:
     if not has_parquet():
-        console.print(f"No Parquet was written: {install_line('study')}", markup=False)
+        console.print(f"No Parquet was written; it needs: {install_line('study')}", markup=False, soft_wrap=True)
     kinds = {"*.csv": "rows", "*.parquet": "rows, typed", "tables.md": "tables", "*.pdf": "figures"}
     there = ", ".join(f"{name} ({what})" for name, what in kinds.items() if any(out.glob(name)))
     words = f"{n} tasks in {in_words(seconds)}. Results in {out}/: {there or 'journal.jsonl, for ross study merge'}"
