@@ -25,8 +25,7 @@ from ross_protocols.angle_text import rounded
 
 OWN = 0o600  # who may read what people have said
 VOICE = re.compile(r"group-\d+\.wav")
-DIRECTIONS = {"given": "directions given", "heard in A": "directions found in the mixture"}
-NOISE = {"measured at the start of A": "noise measured at the start of the mixture", "unknown": "noise level unknown"}
+NOISE = {True: "measured at the start of the mixture", False: "unknown"}
 PACKAGES = ("ross-payload", "numpy", "scipy")
 
 
@@ -47,12 +46,12 @@ def report(
         "correlation": round(pair.lag.correlation, 3),
         "mixture_dbfs": _rounded(level_of(pair.mixture.samples[0, pair.span]), 2),
         "target_dbfs": _rounded(level_of(pair.target), 2),
-        "directions": "given" if found.given else "heard in A",
+        "directions": "given" if found.given else "found in the mixture",
         "azimuths_deg": [round(math.degrees(wrap(-math.radians(given))), 6) for given in azimuths_deg],
         "tdoas_us": [round(tau * 1e6, 2) for tau in found.tau],
         "separator": found.method,
         "why": found.why,
-        "noise": "measured at the start of A" if found.noise_known else "unknown",
+        "noise": NOISE[found.noise_known],
         "si_sdr_in_db": _rounded(found.before, 2),
         "groups": [_group(index, found) for index in range(len(found.groups))],
         "notes": [*pair.notes, *_doubts(found), *(_softer(found) if files else ())],
@@ -99,7 +98,8 @@ def show(values: dict[str, Any]) -> None:
     heard = (
         f"the target is heard {lag if values['lag_s'] else 'at the same time'} in the mixture, "
         f"correlation {values['correlation']:.2f}; mixture {_text(values['mixture_dbfs'])} dBFS, "
-        f"target {_text(values['target_dbfs'])} dBFS; {DIRECTIONS[values['directions']]}, {NOISE[values['noise']]}"
+        f"target {_text(values['target_dbfs'])} dBFS; directions {values['directions']}, "
+        f"noise level {values['noise']}"
     )
     for line in (heard, *values["notes"]):
         console.print(line, highlight=False, markup=False, soft_wrap=True)

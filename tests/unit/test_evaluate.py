@@ -153,6 +153,7 @@ def test_the_target_may_have_been_recorded_at_another_rate(scene, takes, scored,
 def test_without_directions_those_that_stand_out_are_taken(scene, takes, scored, truth):
     recording, _ = scene
     values = scored(takes / "a.wav", takes / "b.wav")
+    assert values["directions"] == "found in the mixture"
     assert sorted(values["tdoas_us"]) == pytest.approx(sorted({round(t, 12) for t in 1e6 * recording.tau}), abs=15)
     assert best(values)["si_sdri_db"] == pytest.approx(truth(), abs=1.5)
 
