@@ -67,7 +67,7 @@ def checked_file(path: Path) -> Path:
 
 @contextmanager
 def to_file(feed: Feed, path: Path, meter: Meter, clock: Clock) -> Iterator[Pump]:
-    """Write what comes to a file for its owner alone; one in which there would be nothing is removed.
+    """Write what comes, from the first sound on, to a file for its owner alone; one with nothing in it is removed.
 
     Raises
     ------
@@ -78,9 +78,12 @@ def to_file(feed: Feed, path: Path, meter: Meter, clock: Clock) -> Iterator[Pump
     """
     with refused_as(ConfigError, f"--out: {path} cannot be written"):
         track = AlignedTrack(path, feed.rate)
-    began = clock.now()
+    began, heard = clock.now(), feed.progress(0.0).received
 
     def pump() -> None:
+        nonlocal began, heard
+        if not heard:  # the time before the first sound is not in the file
+            began, heard = clock.now(), feed.progress(0.0).received
         samples = feed.read(int((clock.now() - began) * feed.rate) - track.length)
         meter.note(samples)
         track.write(track.length, samples)

@@ -5,11 +5,12 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
+import soundfile
 
 from clocks import FakeClock
 from command_line import called
 from ross_payload.audio.listener.feed import Progress
-from ross_payload.audio.listener.playback import Meter, listen
+from ross_payload.audio.listener.playback import Meter, listen, to_file
 from ross_payload.audio.sinks import info_of
 from ross_payload.errors import AudioError
 from ross_payload.streams import LISTENER_TIMEOUT_S
@@ -81,6 +82,32 @@ def test_before_anything_came_it_waits_for_the_first_sound():
     ended, lines = listened(lambda now: Progress(False, now > 100, "", ended=now > 101), duration=None)
     assert ended == pytest.approx(101, abs=0.1)
     assert lines[50].endswith("waits on 127.0.0.1 port 5004")
+
+
+class Late:
+    """A feed on which nothing comes for ten minutes, and then sound for two seconds."""
+
+    where, rate = "here", RATE
+
+    def __init__(self, clock):
+        self._clock, self._began = clock, clock.now()
+
+    def read(self, n):
+        return np.full(n, 0.25, np.float32)
+
+    def progress(self, wall):
+        elapsed = self._clock.now() - self._began
+        return Progress(elapsed > 600, elapsed > 600, "", ended=elapsed > 602)
+
+
+def test_a_file_begins_with_the_first_sound(tmp_path):
+    clock = FakeClock()
+    feed, meter = Late(clock), Meter()
+    place = to_file(feed, tmp_path / "heard.wav", meter, clock)
+    listen(feed, place, meter=meter, clock=clock, wall=clock.now, report=lambda line: None, duration=None)
+    samples, _ = soundfile.read(tmp_path / "heard.wav")
+    assert samples.size / RATE == pytest.approx(2, abs=0.1)
+    assert samples.min() > 0.2
 
 
 def test_a_report_is_a_sign_of_life_while_no_sound_comes():
