@@ -54,7 +54,7 @@ def page(tmp_path):
 
 
 def test_a_file_that_was_cut_short_in_its_last_row_is_refused_in_one_line(tmp_path):
-    whole, path = (DOCS / "explanation" / "noise.csv").read_bytes(), tmp_path / "rows.csv"
+    whole, path = (DOCS / "rows" / "noise.csv").read_bytes(), tmp_path / "rows.csv"
     for cut in range(whole.rindex(b"\n", 0, -1) + 2, len(whole)):
         path.write_bytes(whole[:cut])
         with pytest.raises(ConfigError, match="was the file cut short") as refused:
