@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from dataclasses import replace
 from queue import SimpleQueue
 from typing import Protocol
 
@@ -207,7 +206,7 @@ class Runner:
         )
         hop = Input(
             block=block,
-            heading_start=replace(pointing, base=attitude.yaw, joint=self._joint(block.time, state)).heading,
+            heading_start=attitude.yaw + self._joint(block.time, state) + pointing.offset,
             pointing=pointing,
             settled=still and self._history.settled(block.time, end),
             attitude=attitude,
