@@ -140,14 +140,6 @@ class Motion:
         """Position [rad] and velocity [rad/s] at ``time`` [s]."""
         return self.plan.at(time - self.begin)
 
-    def braked(self, time: float, acceleration: float) -> Motion:
-        """Return the motion that leaves this one at ``time`` [s] and brakes at ``acceleration`` [rad/s^2].
-
-        >>> Motion(Trapezoid(0.0, 1.0, speed=1.0, acceleration=2.0), begin=10.0).braked(11.0, 2.0).plan.goal
-        1.0
-        """
-        return Motion(Trapezoid.to_rest(*self.at(time), acceleration), time)
-
 
 def _phases(move: Trapezoid) -> tuple[Phase, ...]:
     """Chain the accelerations of a plan into phases, split where the velocity passes zero."""
