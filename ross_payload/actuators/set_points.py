@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Iterator
 
 from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Move
 from ross_payload.actuators.motion import Motion, Trapezoid
@@ -13,6 +14,7 @@ SET_POINT_PERIOD_S = 0.02  # between set-points [s]
 UNSEEN_S = 0.15  # longer between two reports, and the device may have got no set-points either [s]
 UNUSUAL, N_GAPS, OUTAGES = 2.5, 9, 2  # times the longest of the last so many gaps but two, which may be outages
 ASTRAY_RAD, ASTRAY_S = math.radians(2), 0.05  # farther from its plan than the lag of a gimbal or servo [rad], [s]
+TRAILING_S = 0.3  # by so much what follows may be late, with its report [s]
 SLOWEST_S, PACE_DECAY = 0.1, 0.8  # of the pace that a plan keeps to [s]; of a slower one from one set-point to the next
 
 
@@ -66,6 +68,7 @@ class SetPoints:
         self._lag = lag
         self._pause = pause
         self.motion: Motion | None = None  # None: not in control
+        self._before: deque[tuple[float, Motion]] = deque(maxlen=32)  # motions that it has left, when [s]
         self._turning = False  # the motion leads to a goal; else it brakes, or stays
         self.sent = -math.inf  # when the last set-point went out [s]
         self.pace = ahead  # in which set-points go out lately [s]
@@ -156,6 +159,14 @@ class SetPoints:
         """Whether it was to brake or to stay, and the device has not been seen to do so: it may get no set-points."""
         return self.motion is not None and not (self._turning or self.obeyed)
 
+    def lately(self, now: float) -> Iterator[tuple[float, float]]:
+        """Yield where the device was to be in the last `TRAILING_S` [rad], and how fast [rad/s], the latest first."""
+        for step in range(round(TRAILING_S / ASTRAY_S) + 1):
+            time = now - step * ASTRAY_S
+            motion = next((left for until, left in self._before if time < until), self.motion)
+            if motion is not None:
+                yield motion.at(time)
+
     def due(self, motion: Motion, period: float, now: float) -> float | None:
         """Return the set-point that is due [rad]: where it should be when the next one comes; None: not yet."""
         if now - self.sent < period - TIME_TOLERANCE_S:
@@ -189,6 +200,8 @@ class SetPoints:
         return min(max(angle, self._able.lower), self._able.upper)
 
     def _go(self, plan: Trapezoid, now: float) -> None:
+        if self.motion is not None:
+            self._before.append((now, self.motion))
         self.motion, self._turning, self._led = Motion(plan, now), False, math.inf
         self.supposed = self.obeyed = False
         if not plan.velocity:  # a device that follows set-points would see a jump in their rhythm as one of speed

@@ -202,3 +202,22 @@ def test_a_servo_without_a_position_is_not_let_go_when_it_is_stopped(
         rig.actuator.rearm()
         rig.actuator.command(0.0)
         rig.clock.sleep(4.0)
+
+
+@pytest.mark.parametrize("begun", [0.3, *in_soak(0.2, 0.4)])
+@pytest.mark.parametrize(
+    "led", ["mavlink_gimbal:manager", "dronecan_servo", *in_soak("mavlink_gimbal", "dronecan_servo:gimbal")]
+)
+def test_what_reports_late_is_not_turned_back_by_a_stop_soon_after_the_turn_began(led: str, begun: float) -> None:
+    """By its reports it is far behind its plan and slow, as what gets no set-points."""
+    rig = rig_of(led)
+    rig.wire.plug(LateReports(rig.far_end.port, rig.clock, 0.2))
+    rig.open().clock.sleep(3.0)
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(begun)
+    rig.actuator.stop()
+    angles = []
+    for _ in range(250):
+        rig.clock.sleep(QUANTUM)
+        angles.append(rig.far_end.angle())
+    assert np.max(np.maximum.accumulate(angles) - angles) <= math.radians(1)

@@ -213,7 +213,8 @@ class DronecanServo(Driver):
         if motion is None or len(self._reports) < 2 or not (self._plan.may_be_unheard and self._still()):
             return
         joint, (angle, rate) = self._reports[-1].joint, motion.at(now)
-        if abs(joint - angle) > ASTRAY_RAD + ASTRAY_S * abs(rate):
+        rested = any(not speed and abs(joint - told) <= ASTRAY_RAD for told, speed in self._plan.lately(now))
+        if abs(joint - angle) > ASTRAY_RAD + ASTRAY_S * abs(rate) and not rested:  # else its report is late
             self._plan.hold(joint, now)
 
     def _latch(self, fault: str) -> None:

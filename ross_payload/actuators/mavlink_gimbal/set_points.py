@@ -88,18 +88,31 @@ class YawSetPoints(SetPoints):
     def brake_where_it_is(self, seen: GimbalFeedback, now: float) -> None:
         """Brake from where it is seen what was to brake, or to stay, and gets no set-points though it is heard.
 
-        It is far from its plan then, and slower than half of it: once it gets set-points again, those of the plan would
-        lead it on at its own speed. What has once obeyed stays where it was told to.
+        It is far from its plan then, and slower than half of it, and was not told to be so lately: once it gets
+        set-points again, those of the plan would lead it on at its own speed. What has once obeyed stays where it was
+        told to.
         """
         motion = self.motion
         if motion is None or not self.may_be_unheard or now - seen.time > FRESH_S:
             return
         (angle, rate), (far, lag) = motion.at(seen.time), self._astray
-        onward = seen.rate * math.copysign(1.0, rate)  # what swings back comes to rest by itself
-        slow = onward < abs(rate) / 2 if rate else abs(seen.rate) < self._still
-        if slow and abs(angle - seen.angle) > far + lag * abs(rate):
+        slow = self._slower(seen, rate) if rate else abs(seen.rate) < self._still
+        if slow and abs(angle - seen.angle) > far + lag * abs(rate) and not self._trails(seen):
             position, velocity = self._there(seen, now)
-            self.settle(position, velocity if onward > 0.0 else 0.0, now)
+            self.settle(position, velocity if velocity * rate > 0.0 or not rate else 0.0, now)
+
+    def _trails(self, seen: GimbalFeedback) -> bool:
+        """Tell whether it is, late, where and as fast as it was told to be."""
+        far, lag = self._astray
+        return any(
+            abs(angle - seen.angle) <= far + lag * abs(rate) and not self._slower(seen, rate)
+            for angle, rate in self.lately(seen.time)
+        )
+
+    @staticmethod
+    def _slower(seen: GimbalFeedback, rate: float) -> bool:
+        """Tell whether it turns less than half as fast as told [rad/s]; what swings back comes to rest by itself."""
+        return seen.rate * rate < rate**2 / 2
 
     def forget_late_brake(self, now: float) -> None:
         """Brake no more what somebody else turned, if this program was held up: they may have turned it since."""

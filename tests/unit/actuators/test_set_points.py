@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -51,3 +52,16 @@ def test_what_has_rested_where_it_was_told_to_be_is_held_there_against_a_hand():
         plan.rest(seen_at(0.5, time / 100), ABLE.resolution, time / 100)
     plan.brake_where_it_is(seen_at(0.6, 0.5), 0.5)
     assert plan.motion.plan.goal == 0.5
+
+
+def test_what_is_where_it_was_told_to_be_shortly_before_brakes_as_planned():
+    """Its reports are late, and it has only begun to turn."""
+    plan = YawSetPoints(replace(ABLE, max_acceleration=2.0))
+    plan.hold(0.0, 0.0)
+    plan.turn(Move(1.5, 1.0), 0.0, 0.0, 1.0)
+    plan.halt(1.3)
+    goal = plan.motion.plan.goal
+    plan.brake_where_it_is(seen_at(0.0, 1.3), 1.3)
+    assert plan.motion.plan.goal == goal
+    plan.brake_where_it_is(seen_at(0.0, 1.4), 1.4)
+    assert plan.motion.plan.goal == 0.0
