@@ -221,3 +221,43 @@ def test_what_reports_late_is_not_turned_back_by_a_stop_soon_after_the_turn_bega
         rig.clock.sleep(QUANTUM)
         angles.append(rig.far_end.angle())
     assert np.max(np.maximum.accumulate(angles) - angles) <= math.radians(1)
+
+
+class WrongRates:
+    """A port over which a gimbal reports no rate, or one in the wrong sense, and obeys a while later."""
+
+    def __init__(self, port: Port, clock: Clock, factor: float, late: float = 0.1) -> None:
+        self._port, self._clock, self._factor, self._late = port, clock, factor, late
+        self._under_way: deque[tuple[float, Any]] = deque()
+        self.close = port.close
+
+    def send(self, frame: Any) -> None:
+        self._under_way.append((self._clock.now() + self._late, frame))
+
+    def receive(self) -> list[Any]:
+        while self._under_way and self._under_way[0][0] <= self._clock.now() + QUANTUM / 2:
+            self._port.send(self._under_way.popleft()[1])
+        arrived = self._port.receive()
+        for frame in arrived:
+            if frame.packet.name in REPORTS[:1]:
+                frame.packet.message.angular_velocity_z *= self._factor
+        return arrived
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0])
+@pytest.mark.parametrize("led", ["mavlink_gimbal", *in_soak("mavlink_gimbal:manager")])
+def test_a_gimbal_that_reports_no_rate_or_a_wrong_one_decelerates_on_a_stop(led: str, factor: float) -> None:
+    """It lags, and by its rate it does not turn."""
+    rig = rig_of(led).open()
+    rig.wire.plug(WrongRates(rig.far_end.port, rig.clock, factor))
+    rig.clock.sleep(1.0)
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(1.2)
+    rig.actuator.stop()
+    angles = []
+    for _ in range(300):
+        rig.clock.sleep(QUANTUM)
+        angles.append(rig.far_end.angle())
+    speeds = np.diff(angles) / QUANTUM
+    assert max(speeds[:-5] - speeds[5:]) / (5 * QUANTUM) <= 1.3 * ACCELERATION
+    assert rig.state.settled, rig.state.fault

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import dataclass, field
 
 from ross_payload.actuators.mavlink_gimbal.sender_clock import SenderClock, Verdict
@@ -14,7 +15,8 @@ VEHICLE_TIMEOUT_S = 0.5  # [s]: a vehicle's attitude that is older turns no yaw 
 # [s] after a report of the device itself in which its manager's prove nothing: for 1 s they repeat it
 OWN_REPORT_S = 2.0
 JUMP_RAD, OVERSPEED = math.radians(2), 1.5  # no gimbal turns farther between two reports, nor faster than this share
-RATE_FACTOR, RATE_MARGIN_RAD_S = 2.0, math.radians(20)  # of how fast its angles change, a reported rate may be
+RATE_MARGIN_RAD_S = math.radians(20)  # by which a reported rate may be farther than itself from how angles change
+LEAST_S, CHANGE_S = 0.015, 0.1  # over which it is told how they do: what reports in pairs does not turn in between [s]
 MARGIN_RAD = math.radians(5)  # by which a gimbal at an end of its travel may seem to be beyond it
 JUMP_WEIGHT, MAX_JUMPS = 6, 12  # of a jump against a report without one, and the balance that is no accident
 
@@ -29,6 +31,8 @@ class GimbalFeedback:
     cable: bool = True  # turns count, since a cable ends them, and others may turn it
     angle: float = 0.0  # joint angle [rad]
     rate: float = 0.0  # [rad/s]
+    change: float = 0.0  # how fast its angle has changed in the last CHANGE_S [rad/s]
+    tells_rate: bool = False  # it has told one that was not zero
     time: float = -math.inf  # when it was there [s]; minus infinity: none yet
     arrived_at: float = -math.inf  # when that was told [s]
     failures: int = 0  # flags
@@ -42,6 +46,7 @@ class GimbalFeedback:
     _jumps: int = 0
     _vehicle: tuple[float, VehicleAttitude] | None = None
     _known: bool = False  # a turn was chosen
+    _track: deque[tuple[float, float]] = field(default_factory=deque)  # of the last CHANGE_S: [s], [rad]
     _ends: tuple[float, float] = (math.nan, math.nan)  # between which it can turn [rad]
 
     def __post_init__(self) -> None:
@@ -87,10 +92,12 @@ class GimbalFeedback:
         self._clock = SenderClock()
         self.clear_doubts()
         self.lost_vehicle = False
+        self._track.clear()
 
     def recount_turns(self) -> None:
         """Choose the turn inside the travel again."""
         self.angle = self._first(wrap(self.angle))
+        self._track.clear()
 
     def reach(self, lower: float, upper: float) -> None:
         """Learn how far it can turn [rad], where that is farther than we ask for; NaN: not known."""
@@ -124,23 +131,39 @@ class GimbalFeedback:
         goes_on = self._known and (self.unseen or not (doubtful and turns))
         first = turns[0] if doubtful and turns else self._first(wrap(yaw))
         angle = self.angle + wrap(yaw - self.angle) if goes_on else first
-        self.rate = self._rate_of(rate, angle, passed)
+        if not goes_on:
+            self._track.clear()
+        step = (angle - self.angle) / passed if 0 < passed < VEHICLE_TIMEOUT_S else 0.0
+        self.rate = self._rate_of(rate, step, angle, time)
+        self.tells_rate = self.tells_rate or bool(rate)
         jumped = goes_on and abs(angle - self.angle) > JUMP_RAD + OVERSPEED * self.max_speed * max(passed, 0.0)
         self._jumps = min(self._jumps + JUMP_WEIGHT, 2 * MAX_JUMPS) if jumped else max(self._jumps - 1, 0)
         self.angle, self.time, self._known = angle, time, True
 
-    def _rate_of(self, rate: float | None, angle: float, passed: float) -> float:
-        """Return a reported rate [rad/s], or how fast the angle changes where that is missing or much less.
+    def _rate_of(self, rate: float | None, step: float, angle: float, time: float) -> float:
+        """Return a reported rate [rad/s], or how fast the angle changes where that contradicts it.
 
-        A brake is planned with it: one in degrees per second, say, would lead on to the end of the travel.
+        A brake is planned with it: one in degrees per second, say, would lead on to the end of the travel. Where it is
+        missing the latest ``step`` counts [rad/s].
         """
-        changes = (angle - self.angle) / passed if 0 < passed < VEHICLE_TIMEOUT_S else None
+        change = self._change(angle, time)
+        self.change = step if change is None else change
         if rate is None:
-            return changes or 0.0
-        if changes is not None and abs(rate) > RATE_FACTOR * abs(changes) + RATE_MARGIN_RAD_S:
-            return changes
+            return step
+        if change is not None and abs(rate - change) > abs(change) + RATE_MARGIN_RAD_S:
+            return change
         fastest = OVERSPEED * self.max_speed
-        return min(max(rate, -fastest), fastest) if changes is None else rate
+        return min(max(rate, -fastest), fastest) if change is None else rate
+
+    def _change(self, angle: float, time: float) -> float | None:
+        """Return how fast the angle has changed in the last `CHANGE_S` [rad/s]; None: that is not known."""
+        while self._track and time - self._track[0][0] >= VEHICLE_TIMEOUT_S:
+            self._track.popleft()
+        while len(self._track) > 1 and time - self._track[1][0] >= CHANGE_S:
+            self._track.popleft()
+        begin, before = self._track[0] if self._track else (time, angle)
+        self._track.append((time, angle))
+        return (angle - before) / (time - begin) if time - begin >= LEAST_S else None
 
     def _first(self, yaw: float) -> float:
         """Choose a turn inside the travel; where two are, the one near zero."""

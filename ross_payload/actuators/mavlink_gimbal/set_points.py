@@ -112,7 +112,7 @@ class YawSetPoints(SetPoints):
     @staticmethod
     def _slower(seen: GimbalFeedback, rate: float) -> bool:
         """Tell whether it turns less than half as fast as told [rad/s]; what swings back comes to rest by itself."""
-        return seen.rate * rate < rate**2 / 2
+        return (seen.rate if seen.tells_rate else seen.change) * rate < rate**2 / 2
 
     def forget_late_brake(self, now: float) -> None:
         """Brake no more what somebody else turned, if this program was held up: they may have turned it since."""

@@ -1,5 +1,6 @@
 """What a gimbal's reports prove: order, restarts, two devices under one name, delays, jumps."""
 
+import copy
 import math
 
 import numpy as np
@@ -210,3 +211,45 @@ def test_a_rate_that_nothing_confirms_is_at_most_what_a_gimbal_turns_with() -> N
     seen = GimbalFeedback(-2.0, 2.0, max_speed=1.0)
     seen.on_report(GimbalAttitude(0.0, 0.0, 1e30, False, 0, 0), 0.0, own=True)
     assert seen.rate == 1.5
+
+
+@pytest.mark.parametrize("told", [-1.0, -90.0])
+def test_a_rate_against_the_way_of_the_angles_is_not_believed(told: float) -> None:
+    seen = GimbalFeedback(-2.0, 2.0, max_speed=math.radians(90))
+    for n in range(10):
+        seen.on_report(GimbalAttitude(n / 50, 1.0 * n / 50, told, False, 0, 0), n / 50, own=True)
+    assert seen.rate == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("period", "later"), [(0.02, 0.001), (0.02, 0.003), (0.1, 0.001)])
+def test_a_rate_is_believed_also_where_two_reports_are_of_the_same_angle(period: float, later: float) -> None:
+    """What samples its sensor less often than it reports has not stood still in between."""
+    seen = GimbalFeedback(-2.0, 2.0, max_speed=math.radians(90))
+    for n in range(20):
+        for time in (n * period, n * period + later):
+            seen.on_report(GimbalAttitude(time, 1.0 * n * period, 1.0, False, 0, 0), time, own=True)
+            assert seen.rate == 1.0
+
+
+def test_a_stop_is_no_fault_where_two_reports_are_of_the_same_angle() -> None:
+    rig = rig_of("mavlink_gimbal").open()
+    receive, count = rig.far_end.port.receive, 0
+
+    def twice():
+        nonlocal count
+        for each in receive():
+            yield each
+            if each.packet.name == "GIMBAL_DEVICE_ATTITUDE_STATUS":
+                count += 1
+                if count % 20 == 0:
+                    again = copy.deepcopy(each)
+                    again.packet.message.time_boot_ms += 1
+                    yield again
+
+    rig.far_end.port.receive = lambda: list(twice())
+    rig.actuator.command(rig.upper)
+    rig.clock.sleep(1.2)
+    rig.actuator.stop()
+    rig.clock.sleep(3.0)
+    assert rig.state.settled, rig.state.fault
+    rig.actuator.__exit__(None, None, None)
