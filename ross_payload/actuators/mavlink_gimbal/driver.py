@@ -39,7 +39,7 @@ from ross_protocols.mavlink.vehicle import AUTOPILOT, VehicleAttitude
 # between those of a gimbal that rests at its goal [s]; a device gives up a manager silent for about 1 s
 HOLD_PERIOD_S = 0.1
 RESUME_S = 0.1  # [s] after a silence in which reports that have waited on their way arrive all at once
-GONE_S = 3.0  # [s] unheard, and it may have been without power, and not be where it was
+GONE_S = 3.0  # [s] without a word, and it may have been without power, and not be where it was
 SETTLE_TIMEOUT_S = 1.0  # [s] at most after the end of a motion, until control is released
 
 
@@ -55,6 +55,8 @@ class MavlinkGimbal(Driver):
         self._pending: Move | None = None  # waits until we are in control
         self._blind = False  # it has not reported for a while, so that nobody knows whether it got the set-points
         self._cut_off = False  # meanwhile nothing came over the link at all
+        self._gone = False  # meanwhile it said nothing at all for so long that it may have been without power
+        self._spoke_at = -math.inf  # when it said anything last [s]
         self._stale_at = -math.inf  # when it had not reported for a while last [s]
         self._found_at = -math.inf  # when the gimbal was found [s]
         self._led_since = -math.inf  # without a pause of this program that the gimbal has outlasted at rest [s]
@@ -143,6 +145,7 @@ class MavlinkGimbal(Driver):
         if now - self._feedback.time > diagnostics.STALE_REPORT_S:
             self._blind, self._stale_at = True, now
             self._cut_off = self._cut_off or self._hears_nobody(peer, now)
+            self._gone = self._gone or now - max(self._spoke_at, self._feedback.time) > GONE_S
         elif self._blind and now - self._stale_at < RESUME_S:
             return  # where it is now, the latest report will tell
         elif self._blind or self._plan.motion is None:
@@ -199,6 +202,7 @@ class MavlinkGimbal(Driver):
                 self._peer, self._plan.motion, self._found_at = found, None, -math.inf
         if self._peer is None:
             return
+        self._spoke_at = now if sender == self._peer.device else self._spoke_at
         self._peer.on_packet(received, now)
         message = gimbal_messages.read(packet.message)
         if isinstance(message, GimbalAttitude):
@@ -236,7 +240,7 @@ class MavlinkGimbal(Driver):
         self._feedback.clear_doubts()
         if self._pending is not None or not self._plan.rests_sooner_as_planned(self._feedback, now):
             self._plan.resume(self._feedback, self._pending, now)
-        self._pending, self._blind, self._cut_off = None, False, False
+        self._pending, self._blind, self._cut_off, self._gone = None, False, False, False
 
     def _give_back(self, peer: GimbalManagerClient, motion: Motion, now: float, *, unled: bool) -> None:
         """Release control when the gimbal rests; its manager keeps it at the last set-point."""
@@ -256,7 +260,7 @@ class MavlinkGimbal(Driver):
         """Tell whether it moved unheard to the end of its plan, may be at rest before it, or been turned by hand."""
         seen_at = self._feedback.time
         brakes = self._cut_off and self._plan.brakes_after(seen_at)
-        return brakes or seen_at < motion.end < now - HOLD_PERIOD_S or now - seen_at > GONE_S
+        return brakes or seen_at < motion.end < now - HOLD_PERIOD_S or self._gone
 
     def _stand_aside(self, peer: GimbalManagerClient | GimbalDeviceClient, now: float) -> None:
         """Send no set-points but those that brake, on a stop, what somebody else turns."""

@@ -96,7 +96,7 @@ class YawSetPoints(SetPoints):
         if motion is None or not self.may_be_unheard or now - seen.time > FRESH_S:
             return
         (angle, rate), (far, lag) = motion.at(seen.time), self._astray
-        slow = self._slower(seen, rate) if rate else abs(seen.rate) < self._still
+        slow = self._slower(seen, rate) if rate else abs(_rate(seen)) < self._still
         if slow and abs(angle - seen.angle) > far + lag * abs(rate) and not self._trails(seen):
             position, velocity = self._there(seen, now)
             self.settle(position, velocity if velocity * rate > 0.0 or not rate else 0.0, now)
@@ -112,7 +112,7 @@ class YawSetPoints(SetPoints):
     @staticmethod
     def _slower(seen: GimbalFeedback, rate: float) -> bool:
         """Tell whether it turns less than half as fast as told [rad/s]; what swings back comes to rest by itself."""
-        return (seen.rate if seen.tells_rate else seen.change) * rate < rate**2 / 2
+        return _rate(seen) * rate < rate**2 / 2
 
     def forget_late_brake(self, now: float) -> None:
         """Brake no more what somebody else turned, if this program was held up: they may have turned it since."""
@@ -153,3 +153,7 @@ class YawSetPoints(SetPoints):
     def _go(self, plan: Trapezoid, now: float) -> None:
         super()._go(plan, now)
         self.restless = now
+
+
+def _rate(seen: GimbalFeedback) -> float:
+    return seen.rate if seen.tells_rate else seen.change

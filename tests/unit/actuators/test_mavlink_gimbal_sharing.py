@@ -394,3 +394,16 @@ def test_a_bare_gimbal_that_was_without_power_is_not_turned_back_to_where_it_was
         rig.clock.sleep(QUANTUM)
         assert rig.far_end.angle() == pytest.approx(-0.4, abs=math.radians(0.5))
     assert rig.state.angle == pytest.approx(-0.4, abs=math.radians(0.5))
+
+
+def test_a_bare_gimbal_that_still_speaks_is_held_also_while_its_attitudes_are_missing():
+    """Its heartbeats tell that it has power, and it gives up a manager that is silent for a second."""
+    rig = Bench("manager", autopilot=False)
+    rig.clock.sleep(1.0)
+    rig.actuator.command(0.8)
+    rig.settle()
+    receive = rig.far_end.port.receive
+    rig.far_end.port.receive = lambda: [each for each in receive() if each.packet.name == "HEARTBEAT"]
+    for _ in range(8):
+        rig.clock.sleep(1.0)
+        assert "GIMBAL_DEVICE_SET_ATTITUDE" in rig.sent(0.5)
