@@ -152,7 +152,10 @@ class MavlinkGimbal(Driver):
             self._begin(now)
         self._look_whether_it_follows(now)
         motion = self._plan.motion
-        if motion is None:
+        if motion is None:  # it has not been heard since we are in control
+            if not (self._held or self._hears_nobody(peer, now)):
+                self._pending = None
+                peer.release_control()
             return
         unled = self._blind and self._may_be_unled(motion, now)  # the first set-point would lead it on unheard
         due = None if unled else self._plan.due(motion, HOLD_PERIOD_S if self._settled else SET_POINT_PERIOD_S, now)
@@ -243,8 +246,8 @@ class MavlinkGimbal(Driver):
         self._pending, self._blind, self._cut_off, self._gone = None, False, False, False
 
     def _give_back(self, peer: GimbalManagerClient, motion: Motion, now: float, *, unled: bool) -> None:
-        """Release control when the gimbal rests; its manager keeps it at the last set-point."""
-        if now >= motion.end and (self._settled or now >= motion.end + SETTLE_TIMEOUT_S):
+        """Release control when the gimbal rests, or is led no more; its manager keeps it at the last set-point."""
+        if unled or (now >= motion.end and (self._settled or now >= motion.end + SETTLE_TIMEOUT_S)):
             if not unled:
                 self._port.send(peer.point(motion.plan.goal))
             peer.release_control()

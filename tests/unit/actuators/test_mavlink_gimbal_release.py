@@ -92,6 +92,35 @@ def test_control_is_kept_and_given_back_by_a_payload_that_was_held_up():
     assert rig.primary == FREE
 
 
+def test_control_of_a_gimbal_that_has_not_been_heard_since_it_was_taken_is_given_back(rig):
+    rig.device.mute = True
+    rig.clock.sleep(1.0)
+    rig.actuator.take_control()
+    rig.clock.sleep(2.0)
+    assert rig.primary == PAYLOAD
+    rig.actuator.release_control()
+    rig.clock.sleep(1.0)
+    assert rig.primary == FREE
+
+
+@pytest.mark.parametrize("moved", [0.3, 0.8, 1.5])
+def test_control_is_given_back_also_of_a_gimbal_that_is_silent_since_an_outage_in_a_move(rig, moved):
+    """Nothing is sent to it after the outage, and its plan to brake is put off for as long."""
+    rig.actuator.take_control()
+    rig.actuator.command(2.5)
+    rig.clock.sleep(moved)
+    port = rig.far_end.port
+    send, receive = port.send, port.receive
+    port.send, port.receive = lambda message: None, lambda: receive() and []
+    rig.clock.sleep(0.6)
+    port.send, port.receive = send, receive
+    rig.device.mute = True
+    rig.clock.sleep(0.5)
+    rig.actuator.release_control()
+    rig.clock.sleep(2.0)
+    assert rig.primary == FREE
+
+
 @pytest.mark.parametrize("moved", [0.3, 3.0])
 @pytest.mark.parametrize("mute", [1.0, 5.0])
 def test_control_is_given_back_also_while_nothing_is_heard_of_the_gimbal_itself(mute, moved):
