@@ -16,6 +16,7 @@ from contextlib import contextmanager, suppress
 LAST_LINE_S = 5.0  # that whoever reads the standard error may take for the last line
 TELL_S = 5.0  # after which threads are named that the end waits for
 LEAVE_S = 10.0  # after which it does not wait for them any more
+LOOK_S = 0.1  # between two looks whether Python has begun to end
 STANDARD_ERROR = 2  # its descriptor
 
 
@@ -52,7 +53,8 @@ def end_within(seconds: float, code: int, waits_for: Callable[[], Iterable[str]]
 def _watch(written: threading.Event, code: int) -> None:
     if not written.wait(LAST_LINE_S):
         os._exit(code)
-    threading.main_thread().join()
+    while not _is_over():
+        threading.Event().wait(LOOK_S)
     threading.Event().wait(TELL_S)
     if names := _names():
         _say(
@@ -62,6 +64,11 @@ def _watch(written: threading.Event, code: int) -> None:
     with suppress(OSError, ValueError):
         sys.stdout.flush()
     os._exit(code)
+
+
+def _is_over() -> bool:
+    """Return whether Python has begun to end: it joins the threads of executors before the main one counts as over."""
+    return getattr(threading, "_SHUTTING_DOWN", False) or not threading.main_thread().is_alive()
 
 
 def _names() -> list[str]:

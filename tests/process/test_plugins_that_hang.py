@@ -54,6 +54,10 @@ class Source:
 """
 POINTS = "[ross_payload.separators]\ntheirs = theirs:Separator\n[ross_payload.audio_sources]\ntheirs = theirs:source\n"
 THREAD = "threading.Thread(target=forever, name='their worker').start(); raise ValueError('trouble')"
+POOL = (
+    "from concurrent.futures import ThreadPoolExecutor as Pool; Pool(1, 'theirs').submit(forever); "
+    "raise ValueError('trouble')"
+)
 CONFIG = """
 [audio]
 source = "theirs:here"
@@ -105,12 +109,13 @@ def test_a_source_that_never_returns_is_named_and_a_second_signal_ends_the_paylo
         process.wait(20)
 
 
-def test_a_thread_that_never_ends_is_named_and_not_waited_for_for_ever(their, tmp_path):
-    command = [*their(THREAD), "sitl", "--json", "--informed", "-p", "theirs"]
+@pytest.mark.parametrize(("begun", "name"), [(THREAD, "their worker"), (POOL, "theirs_0")])
+def test_a_thread_that_never_ends_is_named_and_not_waited_for_for_ever(their, tmp_path, begun, name):
+    command = [*their(begun), "sitl", "--json", "--informed", "-p", "theirs"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 1
     assert "batch raised ValueError: trouble" in done.stdout
-    waits = "ross: still waiting for a thread that has not ended: 'their worker'; the program ends soon without it\n"
+    waits = f"ross: still waiting for a thread that has not ended: '{name}'; the program ends soon without it\n"
     assert done.stderr.endswith(waits)
 
 
