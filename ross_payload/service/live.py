@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -82,7 +83,7 @@ def live(config: Config) -> int:
             stack.callback(cancel)
         log.info("ross %s: %s on %s", __version__, config.actuator.kind, config.audio.source)
         manager.ready("idle")
-        _run(runner, manager, watchdog, calls)
+        _run(runner, clock, manager, watchdog, calls)
     return AGAIN if again.is_set() else 0
 
 
@@ -174,7 +175,7 @@ def _enrolled(config: Config) -> VoicePrint | None:
     return voice
 
 
-def _run(runner: Runner, manager: Manager, watchdog: Watchdog, calls: LateCalls) -> None:
+def _run(runner: Runner, clock: SystemClock, manager: Manager, watchdog: Watchdog, calls: LateCalls) -> None:
     """Run the mission on a thread of its own, so that this one hears signals at once, whatever is computed.
 
     Ctrl-C and SIGTERM are an orderly shutdown: the motor decelerates before anything else. What then does not end, as
@@ -183,19 +184,20 @@ def _run(runner: Runner, manager: Manager, watchdog: Watchdog, calls: LateCalls)
     Raises
     ------
     KeyboardInterrupt
-        When a signal comes again and the mission has heard nothing for `PASSED_ON_S`: it may never hear of the first,
-        for a plug-in computes for ever, and its thread ends with the process.
+        When a signal comes again, `PASSED_ON_S` after the first, and the mission has heard nothing for as long: it may
+        never hear of the first, for a plug-in computes for ever, and its thread ends with the process.
     """
-    asked = False
+    asked = math.inf  # when a signal came first [s]
 
     def shut_down(name: str) -> None:
         nonlocal asked
-        if asked and watchdog.silent(MISSION) > PASSED_ON_S:
+        now = clock.now()
+        if min(now - asked, watchdog.silent(MISSION)) > PASSED_ON_S:
             raise KeyboardInterrupt
         runner.order(Shutdown())
-        if not asked:
+        if asked == math.inf:
+            asked = now
             end_within(END_S, 1, calls.in_words)
-        asked = True
         manager.stopping(name)
 
     with on_signal(shut_down):

@@ -102,7 +102,10 @@ def test_a_source_that_never_returns_is_named_and_a_second_signal_ends_the_paylo
     (tmp_path / "ross.toml").write_text(CONFIG)
     with program([*their(), "run", "ross.toml"], tmp_path, code=130, lives=False) as (process, log):
         waiting.wait_for(lambda: "audio source 'theirs': read has not returned for" in log.read_text())
-        process.terminate()
+        time.sleep(2.5)
+        for _ in range(2):  # a script passes on what it got itself
+            process.terminate()
+            time.sleep(0.3)
         time.sleep(2.5)
         assert process.poll() is None
         process.terminate()
