@@ -39,11 +39,15 @@ def ending(code: int) -> Iterator[None]:
 
 
 def end_within(seconds: float, code: int, waits_for: Callable[[], Iterable[str]]) -> None:
-    """Have the process end with ``code`` after this time, if it has not ended before; then say what it waits for."""
+    """Have the process end with ``code`` after this time, if it has not ended before; then say what it waits for.
+
+    Where ``waits_for`` is empty by then, it waits for threads that Python joins.
+    """
 
     def end() -> None:
         threading.Event().wait(seconds)
-        _say(f"ross: not ended after {seconds:g} s, waiting for {', '.join([*waits_for(), *_names()])}; it ends so")
+        names = ", ".join(tuple(waits_for()) or _names())
+        _say(f"ross: not ended after {seconds:g} s{names and f', waiting for {names}'}; it ends so")
         os._exit(code)
 
     with suppress(RuntimeError):  # the system has no thread left

@@ -157,6 +157,12 @@ def _late(watchdog: Watchdog, calls: LateCalls) -> tuple[str, ...]:
     return late + calls.in_words() if late else ()
 
 
+def _waits_for(calls: LateCalls) -> tuple[str, ...]:
+    """Return what an end that does not come waits for: calls of plug-ins, or what else the mission does; or neither."""
+    running = any(thread.name == MISSION for thread in threading.enumerate())
+    return calls.in_words() or (("the mission",) if running else ())
+
+
 def _stamp(now: datetime | None) -> str:
     return "" if now is None else f"{now:{STAMP}}"
 
@@ -197,7 +203,7 @@ def _run(runner: Runner, clock: SystemClock, manager: Manager, watchdog: Watchdo
         runner.order(Shutdown())
         if asked == math.inf:
             asked = now
-            end_within(END_S, 1, calls.in_words)
+            end_within(END_S, 1, partial(_waits_for, calls))
         manager.stopping(name)
 
     with on_signal(shut_down):
