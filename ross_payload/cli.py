@@ -144,6 +144,7 @@ def main() -> None:
 
 def _outcome(interrupter: Interrupter) -> tuple[int, str]:
     """Run the command; return the exit code, and what there is to complain of."""
+    output = sys.stdout
     try:
         code, why = ross.main(standalone_mode=False), ""
     except click.exceptions.NoArgsIsHelpError as error:  # `ross` alone, or `ross config`: what it says is the help
@@ -160,7 +161,8 @@ def _outcome(interrupter: Interrupter) -> tuple[int, str]:
     except ModuleNotFoundError as error:
         code, why = 2, _lacking(error)
     except (SystemExit, MemoryError) as error:
-        code, why = 1, _end_in_words(error)
+        unread = sys.stdout is not output  # click has put another in its place, and asks Python to exit
+        code, why = 1, "" if unread else _end_in_words(error)
     except BrokenPipeError:
         code, why = 1, ""
     except OSError as error:

@@ -299,6 +299,16 @@ def test_output_that_cannot_be_written_is_one_line_and_a_fault(run, monkeypatch)
     assert (code, err) == (1, "ross: the output cannot be written: No space left on device\n")
 
 
+def test_nothing_is_said_of_a_reader_who_has_gone():
+    """As a pager that is left before the end: click asks Python to exit, with the code of an error."""
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-m", "ross_payload.cli", "--help"]
+    with os.fdopen(write, "wb") as gone:
+        done = subprocess.run(command, stdout=gone, stderr=subprocess.PIPE, text=True, check=False, timeout=60)
+    assert (done.returncode, done.stderr) == (1, "")
+
+
 WITHOUT_STREAMS = """
 import os, sys
 from ross_payload import cli
