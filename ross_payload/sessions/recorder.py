@@ -32,14 +32,15 @@ BACKLOG_S = 30.0  # [s] of audio that wait for the disk: then it is too slow
 DRAIN_PERIOD_S = 0.2  # [s] between two looks at the queue
 TIDY_PERIOD_S = 5.0  # [s] of audio between two looks at what is left of the disk
 IDLE_TIDY_PERIOD_S = 3600.0  # [s] between two looks for what is too old, while nothing is recorded
+UNDATED_TIDY_PERIOD_S = 60.0  # [s] the same, while nobody has told the date: at the start nobody has
 SLOW = f"the disk is too slow: {BACKLOG_S:.0f} s of audio wait for it"
 SHARED = (
     "recording.folder: another payload records into %s: max_gb and max_days hold for the sessions of both, the oldest "
     "of either are deleted; give each a folder of its own"
 )
 KEPT_OLD = (
-    "%d sessions look older than recording.max_days = %g by the clock of this computer, and stay: nobody confirms its "
-    "date, neither NTP nor an autopilot; max_gb holds, and ross sessions delete"
+    "%d sessions look older than recording.max_days = %g by the clock of this computer, and stay as long as nobody "
+    "confirms its date, neither NTP nor an autopilot; max_gb holds, and ross sessions delete"
 )
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
@@ -101,6 +102,7 @@ class Recorder:
         self._status = RecordingStatus()
         self._tidied_at: float | None = None  # on the clock of the Inputs [s], while nothing was recorded
         self._untidy: RecordingStatus | None = None  # what was told of the latest look that failed meanwhile
+        self._dated = today is None  # the date was known at the latest look
         self._told_why = today is None  # it is in the log that too old sessions stay; a simulation has no date
         self._before = self._status  # and what was told before it
 
@@ -156,7 +158,7 @@ class Recorder:
     def _tidy_now_and_then(self, now: float) -> None:
         """Have what is too old deleted, also by a payload that lives for months and records nothing."""
         self._tidied_at = now if self._tidied_at is None else self._tidied_at
-        if now - self._tidied_at >= IDLE_TIDY_PERIOD_S:
+        if now - self._tidied_at >= (IDLE_TIDY_PERIOD_S if self._dated else UNDATED_TIDY_PERIOD_S):
             self._tidied_at = now
             self._queue.put(self._tidy)
 
@@ -228,6 +230,7 @@ class Recorder:
     def _tidied(self, running: Path | None = None) -> str:
         """Delete what is too old or too much; return why ``running`` must stop, or ''."""
         today = self._today()
+        self._dated = self._dated or bool(today)
         why = self._store.tidy(self._limits, running, today)
         if not today and not self._told_why:
             self._told_why = True

@@ -198,6 +198,22 @@ def test_a_date_that_is_not_sure_names_sessions_and_deletes_none(tmp_path):
     assert [path.name for path in sorted(tmp_path.iterdir())] == ["0001-20261001T120000Z", "0002-20371001T120000Z"]
 
 
+def test_what_is_too_old_is_deleted_within_a_minute_of_knowing_the_date(tmp_path):
+    """At the start nobody has told it yet, and a drone is hardly switched on for an hour without a recording."""
+    record(tmp_path, [input_of(k) for k in range(60)])
+    old = (tmp_path / "0001").rename(tmp_path / "0001-20261001T120000Z")
+    today = [""]
+    with Recorder(SessionStore(tmp_path), configured(max_days=30).recording, beginning, today=lambda: today[0]) as one:
+        for index, date in ((0, ""), (6_001, ""), (6_002, "20261101T120000Z"), (12_000, "20261101T120000Z")):
+            today[0] = date
+            one.on_input(input_of(index))
+            one.drain()
+            assert old.exists()
+        one.on_input(input_of(12_002))
+        one.drain()
+        assert not old.exists()
+
+
 def test_the_log_says_once_that_what_looks_too_old_stays(tmp_path, caplog):
     record(tmp_path, [input_of(k) for k in range(60)])
     (tmp_path / "0001").rename(tmp_path / "0001-20200101T120000Z")
