@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 
 from ross_payload import events
@@ -11,6 +12,16 @@ FOUND = {events.Outcome.TARGET_FOUND: True, events.Outcome.NO_TARGET: False}  # 
 BUSY = "busy: cancel first"
 STOPPED = "stopped: re-arm first"
 SAME_ANGLE = 1e-6  # [rad]
+MEASURED = re.compile(r"\d+\.\d+")  # in a fault, as how long nothing was reported
+
+
+def is_same_fault(one: str, other: str) -> bool:
+    """Whether two faults in words differ at most in what was measured: then it is one that lasts.
+
+    >>> is_same_fault("no report for 0.51 s", "no report for 0.52 s"), is_same_fault("fault 0x2310", "fault 0x3210")
+    (True, False)
+    """
+    return MEASURED.sub("", one) == MEASURED.sub("", other)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,6 @@ Between tasks only a `Memory` is kept, so that a recording which begins there ca
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
@@ -29,11 +28,10 @@ from ross_payload.interfaces import Input, Mission, Output, Result, VoicePrint
 from ross_payload.mission.context import NOTHING, Context, Ended, FrameChanged, Step, exchange
 from ross_payload.mission.settings import Settings, Tools
 from ross_payload.mission.tasks import WITHOUT_TOOLS, Memory, TaskRefused, perform, refusal
-from ross_payload.mission_state import BUSY
+from ross_payload.mission_state import BUSY, is_same_fault
 from ross_payload.orders import Cancel, MeasureNoise, Order, Point, Rearm, Set, Shutdown, Stop, Task
 
 FREE = Output(hold=False)  # no task needs the actuator
-MEASURED = re.compile(r"\d+\.\d+")  # in a fault, as how long nothing was reported: with another number it is the same
 WELL = 1.0  # [s] without the fault, after which one that was there while nothing turned is over
 ANSWERS = {Outcome.FAULT: Answer.FAILED, Outcome.NO_TARGET: Answer.FAILED, Outcome.STOPPED: Answer.CANCELLED}
 
@@ -137,7 +135,7 @@ class LiveSession:
         heard = yield from exchange(self._context, wish)
         self._waiting += heard.orders
         if heard.fault:
-            if MEASURED.sub("", heard.fault) != MEASURED.sub("", self._fault):
+            if not is_same_fault(heard.fault, self._fault):
                 self._enter(State.FAULT, heard.fault)
             self._ill = None if self._broken else self._context.time
         elif self._ill is not None and (self._starting or self._context.time - self._ill >= WELL):

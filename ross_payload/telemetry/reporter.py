@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ross_payload import events
 from ross_payload.mavlink.message_board import Board, Rank
-from ross_payload.mission_state import SAME_ANGLE, MissionState, reduce
+from ross_payload.mission_state import SAME_ANGLE, MissionState, is_same_fault, reduce
 from ross_payload.telemetry import event_messages
 from ross_payload.telemetry.event_messages import Stamp
 from ross_payload.telemetry.snapshot import Snapshot
@@ -50,7 +50,7 @@ class Reporter:
         """Take in how things stand."""
         if snapshot.settled:
             self.mission = replace(self.mission, goal=None)
-        if snapshot.fault and snapshot.fault != self._fault:
+        if snapshot.fault and not is_same_fault(snapshot.fault, self._fault):
             self._send_text(values.Severity.ERROR, f"fault: {snapshot.fault}")
         self._fault, self._snapshot = snapshot.fault, snapshot
         self._board.put(Rank.STATUS, [self.status])

@@ -233,6 +233,19 @@ def test_a_fault_is_said_once_and_flagged_while_it_lasts(aloft) -> None:
     assert not sky.ports[0].values(v.Status)[-1].fault
 
 
+def test_a_fault_that_lasts_is_said_once_whatever_is_measured_of_it(aloft) -> None:
+    """As of an actuator that was unplugged: the operator got twelve texts in a second."""
+    with aloft(GROUND) as sky:
+        for hundredth in range(50, 350):
+            sky.telemetry.on_input(sky.hop(fault=f"no report for {hundredth / 100:.2f} s"))
+            sky.clock.sleep(0.01)
+        (said,) = sky.ports[0].texts()
+        assert said.startswith("RoSS: fault: no report for 0.5")
+        sky.telemetry.on_input(sky.hop(fault="the motor is hot"))
+        sky.clock.sleep(0.5)
+    assert sky.ports[0].texts()[1:] == ["RoSS: fault: the motor is hot"]
+
+
 def test_ears_and_recorder_are_told_and_trouble_is_said(aloft) -> None:
     health = [AudioHealth(level_db=(-40.0, -41.0), rate=16000.5)]
     recorder = Recorder()
