@@ -91,7 +91,11 @@ class ReconnectingFeed:
             return
         self._report(self.trouble or "the microphones were disconnected")
         self._busy = True
-        self._worker = self._start(self._attempt)
+        try:
+            self._worker = self._start(self._attempt)
+        except RuntimeError as error:  # the system has no thread left
+            self._report(f"the microphones cannot be opened again: {error}")
+            self._put_off(now)
 
     def close(self) -> None:
         """Close for good."""
@@ -115,8 +119,11 @@ class ReconnectingFeed:
         finally:
             now = self._clock.now()
             self._progress = (self._progress[0], now)
-            self._due, self._wait = now + self._wait, min(2 * self._wait, LONGEST_WAIT)
-            self._busy = False
+            self._put_off(now)
+
+    def _put_off(self, now: float) -> None:
+        self._due, self._wait = now + self._wait, min(2 * self._wait, LONGEST_WAIT)
+        self._busy = False
 
     def _report(self, trouble: str) -> None:
         """Log what changes, not what goes on."""

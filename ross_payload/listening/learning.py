@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -10,6 +11,8 @@ from ross_payload.errors import PluginError
 from ross_payload.interfaces import Complex, LiveSeparator, Scene
 
 LAST_CALL_S = 2.0  # that what is being learnt may take at the end
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,8 +104,14 @@ class BackgroundLearner:
             self._request = request
             self._changed.notify()
         if self._thread is None:
-            self._thread = threading.Thread(target=self._work, name="learning", daemon=True)
-            self._thread.start()
+            thread = threading.Thread(target=self._work, name="learning", daemon=True)
+            try:
+                thread.start()
+            except RuntimeError as error:  # the system has none left: it is asked again with the next request
+                log.warning("nothing is learnt of the voices: %s", error)
+                self._request = None
+            else:
+                self._thread = thread
 
     def outcome(self) -> Outcome | None:
         """Return what was learnt since the last time that somebody asked."""

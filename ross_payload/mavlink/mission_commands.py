@@ -198,7 +198,7 @@ class MissionCommands:
         for entry in self._unsaved.values():
             self._send(entry)
         self._unsaved.clear()
-        trouble = latch.failure if latch.saved else "the disk does not respond"
+        trouble = latch.failure or ("" if latch.saved else "the disk does not respond")
         if trouble:
             self._send_text(Severity.CRITICAL, f"stopped, but a restart clears it: {trouble}")
 

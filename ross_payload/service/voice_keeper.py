@@ -86,7 +86,10 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
             when = "at a time that no clock told" if now is None else f"{now:%Y-%m-%dT%H:%M:%SZ}"
             voice = event.voiceprint.agreed(f"told by the order to enrol, {when}")
             self._names.add(event.name)
-            self._writer.submit(self._keep, self._store, event.name, voice)
+            try:
+                self._writer.submit(self._keep, self._store, event.name, voice)
+            except RuntimeError as error:  # the system has no thread left: it is written with the next one
+                self._tell_not_kept(event.name, error)
 
     def _choose(self) -> str:
         """Return the lowest number that nobody has, here or in the store, which other programs write to as well."""
@@ -116,12 +119,15 @@ class VoiceKeeper(AbstractContextManager["VoiceKeeper"]):
         try:
             kept = self._saved(store, name, voice)
         except (RossError, OSError) as error:
-            log.error("%s is enrolled until this program ends: %s", name, error)
-            self._troubles.put(f"voice print of {name} not kept: {error}")
+            self._tell_not_kept(name, error)
             return
         log.info("enrolled %s; 'ross enroll %s --forget' deletes the voice print", kept, kept)
         if kept != name:
             self._troubles.put(f"voice print of {name} kept as {kept}: another {name} was enrolled meanwhile")
+
+    def _tell_not_kept(self, name: str, error: Exception) -> None:
+        log.error("%s is enrolled until this program ends: %s", name, error)
+        self._troubles.put(f"voice print of {name} not kept: {error}")
 
     def _saved(self, store: VoiceStore, name: str, voice: EmbeddingPrint) -> str:
         """Save a voice and return its name: another number when somebody else has got a chosen one meanwhile."""

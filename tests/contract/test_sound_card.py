@@ -321,6 +321,27 @@ def test_a_card_that_is_pulled_out_and_comes_back_is_opened_again_in_step_with_t
     assert 7.0 < missing(blocks) / RATE < 12.0
 
 
+def test_a_card_comes_back_also_where_the_system_had_no_thread_left_to_open_it(make_card, moments, caplog):
+    """It ended the mission."""
+    card, asked = make_card(), []
+
+    def start(call):
+        asked.append(moments.now())
+        if len(asked) < 4:
+            raise RuntimeError("can't start new thread")
+        return at_once(call)
+
+    audio = Audio()
+    opener = SoundCard("card", audio, ChannelMap.of(audio), card)
+    with LiveSource(opener, audio.rate_hz, ChannelMap.of(audio), 10.0, moments, start=start) as source:
+        moments.at(moments.now() + 1, card.unplug)
+        moments.at(moments.now() + 2, lambda: card.plug("Card"))
+        read(source, 20)
+        assert (source.status().reopened, source.status().trouble) == (1, "")
+    assert len(asked) == 4
+    assert "the microphones cannot be opened again: can't start new thread" in caplog.messages
+
+
 def test_each_change_is_logged_once(listen, make_card, moments, caplog):
     card = make_card()
     with caplog.at_level("INFO"), listen(card) as source:

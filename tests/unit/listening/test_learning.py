@@ -93,6 +93,18 @@ def test_what_was_learnt_in_the_background_is_told_once(learner, separator):
     assert learner.outcome() is None
 
 
+def test_without_a_thread_left_it_is_asked_again_with_the_next_request(learner, monkeypatch):
+    def refused(thread):
+        raise RuntimeError("can't start new thread")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Thread, "start", refused)
+        learner.begin(request(3))
+        assert (learner.idle, learner.outcome()) == (True, None)
+        learner.close()
+    assert learner.idle
+
+
 def test_what_fails_in_the_background_is_told_in_words(learner, separator):
     separator.fault = "separator 'theirs': learn: too little"
     learner.begin(request(4))

@@ -61,6 +61,13 @@ def test_a_stop_that_a_full_disk_does_not_take_is_accepted_and_the_disk_is_named
     assert lasting.texts == ["stopped, but a restart clears it: /var/lib/ross/stopped: No space left on device"]
 
 
+def test_a_stop_that_waits_for_what_is_refused_is_forgotten_for_that_reason(lasting, disk):
+    disk.failure = "/var/lib/ross/stopped: can't start new thread"
+    assert lasting.command(STOP, seconds=1.9) == [IN_PROGRESS]
+    assert lasting.results(STOP, 0.2) == [ACCEPTED]
+    assert lasting.texts == ["stopped, but a restart clears it: /var/lib/ross/stopped: can't start new thread"]
+
+
 def test_every_sender_of_a_stop_is_answered(lasting, disk):
     for _ in range(3):
         lasting.ground.long(STOP)

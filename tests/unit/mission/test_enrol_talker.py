@@ -283,6 +283,23 @@ def test_a_print_that_cannot_be_kept_is_told_on_the_pump(store):
     assert "voice print of ann not kept" in said[0]
 
 
+def test_a_print_for_which_no_thread_is_left_is_told_and_written_with_the_next(store, monkeypatch):
+    """It ended the mission."""
+
+    def refused(thread):
+        raise RuntimeError("can't start new thread")
+
+    said = []
+    with VoiceKeeper(store) as keeper:
+        with monkeypatch.context() as patch:
+            patch.setattr(threading.Thread, "start", refused)
+            keeper.on_event(Enrolled(1.0, "ann", 2, 0.1, 5.0, model_of()), None)
+        keeper.poll(said.append)
+        assert said == ["voice print of ann not kept: can't start new thread"]
+        keeper.on_event(Enrolled(1.0, "bob", 2, 0.1, 5.0, model_of()), None)
+    assert store.names() == ("ann", "bob")
+
+
 def test_who_has_no_name_gets_a_number(store):
     store.save("talker-1", model_of())
     with VoiceKeeper(store) as keeper:
