@@ -266,6 +266,8 @@ class Recorder:
             folder = self._store.add(stamp)
         self._status = RecordingStatus(RecordingState.ON, folder.name, path=str(folder.absolute()))
         try:
+            if stamp and not self._today():
+                self._store.doubt(folder)
             recording.writer = SessionWriter(folder, begin, stamp)
         except (OSError, RossError):
             self._store.discard(folder)

@@ -31,7 +31,7 @@ FILES = (
     "target.flac", *(f"source-{number}.flac" for number in range(MOST_SOURCES)),
 )  # fmt: skip
 OURS = frozenset(FILES)
-DATED = "dated"  # when a clock that is trusted was there first, in a session that began without one
+DATED = "dated"  # when a clock that is trusted was there first, in a session that began without one; empty until then
 DATED_AT_ONCE = 100  # sessions: what is being recorded waits meanwhile
 STAMP = "%Y%m%dT%H%M%SZ"  # of times in names and in `DATED`, UTC
 ASIDE = "unreadable"  # in the name of a session.json that was set aside
@@ -111,6 +111,10 @@ class SessionStore:
                 continue
             return path
 
+    def doubt(self, path: Path) -> None:
+        """Note that nobody confirms the time in the name of a new session; may raise OSError."""
+        _date(path, "")
+
     def delete(self, kept: StoredSession) -> None:
         """Delete a session: the files that we write, then the folder when nothing else is in it.
 
@@ -141,7 +145,8 @@ class SessionStore:
         """Delete what is too old or too much, the oldest first; return why ``running`` must stop, or ''.
 
         The age of a session counts from the time in its name; the days of one that began without a clock that is
-        trusted, or while it was far ahead, begin now. Without such a clock nothing is too old.
+        trusted, or by one that nobody confirmed, or that was far ahead, begin now. Without such a clock nothing is too
+        old.
 
         Parameters
         ----------
@@ -290,11 +295,14 @@ def _older(
 def _start_time(session: StoredSession, now: float) -> float | None:
     """When a session began [s] since 1970, by its name or the stamp that it was given; None: that is not known.
 
-    A name that is more than a day after ``now`` was given by a clock that was wrong.
+    A name that is more than a day after ``now`` was given by a clock that was wrong; where there is a stamp, even one
+    that is to come, nobody confirmed the name.
     """
+    if os.path.lexists(session.path / DATED):
+        return _time(_kept_stamp(session.path))
     named = NAME.fullmatch(session.path.name)
     start = _time((named[2] or "")[1:]) if named else None
-    return _time(_kept_stamp(session.path)) if start is None or start > now + DAY else start
+    return None if start is None or start > now + DAY else start
 
 
 def _date(folder: Path, stamp: str) -> None:

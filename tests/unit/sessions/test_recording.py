@@ -198,6 +198,25 @@ def test_a_date_that_is_not_sure_names_sessions_and_deletes_none(tmp_path):
     assert [path.name for path in sorted(tmp_path.iterdir())] == ["0001-20261001T120000Z", "0002-20371001T120000Z"]
 
 
+def test_a_session_that_a_date_named_which_nobody_confirmed_has_its_days_from_when_one_is_sure(tmp_path):
+    """An autopilot without GPS has its date from a ground station, which may be years behind."""
+    today = [""]
+    with Recorder(
+        SessionStore(tmp_path),
+        configured(max_days=30, always=True, min_free_gb=0).recording,
+        beginning,
+        lambda: "20210101T120000Z",
+        lambda: today[0],
+    ) as recorder:
+        recorder.on_input(input_of(0))
+        recorder.drain()
+    (session,) = tmp_path.iterdir()
+    assert (session.name, (session / "dated").read_text()) == ("0001-20210101T120000Z", "")
+    for today[0], there in (("20261101T120000Z", True), ("20261201T110000Z", True), ("20261201T130000Z", False)):
+        with Recorder(SessionStore(tmp_path), configured(max_days=30).recording, beginning, today=lambda: today[0]):
+            assert session.exists() is there
+
+
 def test_what_is_too_old_is_deleted_within_a_minute_of_knowing_the_date(tmp_path):
     """At the start nobody has told it yet, and a drone is hardly switched on for an hour without a recording."""
     record(tmp_path, [input_of(k) for k in range(60)])
