@@ -134,10 +134,10 @@ class SessionStore:
         Its date and session.json go last: what a kill leaves is as old a session still, and goes the next time.
         """
         ours = [path / name for name in FILES if name not in (DATED, MANIFEST)]
-        aside = path.glob(f"{MANIFEST}.{ASIDE}*")
-        for file in [*path.glob(f".*{PART}*"), *ours, *aside, path / DATED, path / MANIFEST]:
-            file.unlink(missing_ok=True)
         with suppress(FileNotFoundError):  # another payload deletes it this moment, too
+            aside = path.glob(f"{MANIFEST}.{ASIDE}*")
+            for file in [*path.glob(f".*{PART}*"), *ours, *aside, path / DATED, path / MANIFEST]:
+                file.unlink(missing_ok=True)
             if not any(path.iterdir()):
                 path.rmdir()
 
@@ -177,7 +177,8 @@ class SessionStore:
         left = {one.path for one in kept}
         waiting = [one.path for one in undated if one.path in left]
         for path in waiting[:DATED_AT_ONCE]:  # at last: now a full disk has room
-            _date(path, stamp)
+            with suppress(FileNotFoundError):  # another payload has deleted it meanwhile
+                _date(path, stamp)
         return why
 
     def doubtful(self, limits: config.Recording) -> int:

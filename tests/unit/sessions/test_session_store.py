@@ -254,6 +254,34 @@ def test_two_payloads_may_delete_the_same_session_at_once(store, monkeypatch):
     assert names(store) == []
 
 
+def test_a_session_may_go_while_it_is_looked_through(store, monkeypatch):
+    fill(store, size=1_500_000_000)
+    glob = Path.glob
+
+    def raced(path, pattern):
+        monkeypatch.undo()
+        store.tidy(limits(max_gb=1.0))
+        yield from glob(path, pattern)
+        raise FileNotFoundError(path)  # as when it goes between two looks of glob
+
+    monkeypatch.setattr(Path, "glob", raced)
+    store.tidy(limits(max_gb=1.0))
+    assert names(store) == []
+
+
+def test_a_session_may_go_before_its_days_begin(store, monkeypatch):
+    fill(store)
+
+    def raced(path, mode):
+        monkeypatch.undo()
+        store.discard(path.parent)
+        return replacing(path, mode)
+
+    monkeypatch.setattr(session_store, "replacing", raced)
+    store.tidy(limits(), stamp="20261129T120000Z")
+    assert names(store) == []
+
+
 def test_what_is_not_ours_stays(store):
     fill(store, size=2_000_000_000, age=1)
     foreign = [store.folder / "holidays", store.folder / "0042"]
