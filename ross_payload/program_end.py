@@ -38,13 +38,16 @@ def ending(code: int) -> Iterator[None]:
         written.set()
 
 
-def end_within(seconds: float, code: int, waits_for: Callable[[], Iterable[str]]) -> None:
-    """Have the process end with ``code`` after this time, if it has not ended before; then say what it waits for.
+def end_within(seconds: float, code: int, waits_for: Callable[[], Iterable[str]]) -> Callable[[], None]:
+    """Return what has the process end with ``code`` after this time, if it has not by then, and say what it waits for.
 
-    Where ``waits_for`` is empty by then, it waits for threads that Python joins.
+    It does not wait, and may be called by a handler of signals. Where ``waits_for`` is empty by then, the end waits for
+    threads that Python joins.
     """
+    begun = threading.Event()
 
     def end() -> None:
+        begun.wait()
         threading.Event().wait(seconds)
         names = ", ".join(tuple(waits_for()) or _names())
         _say(f"ross: not ended after {seconds:g} s{names and f', waiting for {names}'}; it ends so")
@@ -52,6 +55,7 @@ def end_within(seconds: float, code: int, waits_for: Callable[[], Iterable[str]]
 
     with suppress(RuntimeError):  # the system has no thread left
         threading.Thread(target=end, name="end", daemon=True).start()
+    return begun.set
 
 
 def _watch(written: threading.Event, code: int) -> None:

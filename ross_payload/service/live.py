@@ -194,16 +194,17 @@ def _run(runner: Runner, clock: SystemClock, manager: Manager, watchdog: Watchdo
         never hear of the first, for a plug-in computes for ever, and its thread ends with the process.
     """
     asked = math.inf  # when a signal came first [s]
+    limit = end_within(END_S, 1, partial(_waits_for, calls))
 
     def shut_down(name: str) -> None:
         nonlocal asked
         now = clock.now()
         if min(now - asked, watchdog.silent(MISSION)) > PASSED_ON_S:
             raise KeyboardInterrupt
-        runner.order(Shutdown())
         if asked == math.inf:
             asked = now
-            end_within(END_S, 1, partial(_waits_for, calls))
+            limit()  # before a driver is asked, which may never answer
+        runner.order(Shutdown())
         manager.stopping(name)
 
     with on_signal(shut_down):

@@ -152,15 +152,20 @@ def test_a_disk_that_hangs_does_not_hold_the_end_of_the_payload_up_for_ever(thei
     assert log.read_text().endswith("ross: not ended after 8 s, waiting for 'recorder'; it ends so\n")
 
 
-def test_a_mission_that_does_not_end_is_what_the_end_waits_for_and_no_thread_that_idles(their, tmp_path):
-    command = their(
-        more="from ross_payload.service.runner import Runner\n"
-        "Runner._rest = lambda self: threading.Event().wait()\nlive.END_S = 1.0\n"
-    )
+@pytest.mark.parametrize(
+    ("hangs", "name"),
+    [
+        ("from ross_payload.service.runner import Runner as This\nThis._rest", "the mission"),
+        ("from ross_payload.actuators.driver_shell import DriverShell as This\nThis.stop", "actuator 'tb6600': stop"),
+    ],
+    ids=["mission", "driver"],
+)
+def test_what_the_end_waits_for_is_named_and_no_thread_that_idles(their, tmp_path, hangs, name):
+    command = their(more=f"{hangs} = lambda self: threading.Event().wait()\nlive.END_S = 2.0\n")
     soundfile.write(tmp_path / "noise.wav", np.random.default_rng(0).normal(0, 0.01, (320_000, 2)), 16000)
     (tmp_path / "ross.toml").write_text(CONFIG.replace("theirs:here", "file:noise.wav"))
     with program([*command, "run", "ross.toml"], tmp_path, code=1, lives=False) as (process, log):
         waiting.wait_for(lambda: "idle" in log.read_text())
         process.terminate()
         process.wait(30)
-    assert log.read_text().endswith("ross: not ended after 1 s, waiting for the mission; it ends so\n")
+    assert log.read_text().endswith(f"ross: not ended after 2 s, waiting for {name}; it ends so\n")
