@@ -63,7 +63,7 @@ def live(config: Config) -> int:
     RossError
         When a part cannot be opened.
     """
-    with ExitStack() as stack:
+    with ExitStack() as signals, ExitStack() as stack:
         stack.enter_context(logging_to(sys.stderr, config.service.log_level, config.service.log_format))
         calls = stack.enter_context(telling_late_calls())
         stack.enter_context(owned(state_folder(config)))
@@ -83,7 +83,7 @@ def live(config: Config) -> int:
             stack.callback(cancel)
         log.info("ross %s: %s on %s", __version__, config.actuator.kind, config.audio.source)
         manager.ready("idle")
-        _run(runner, clock, manager, watchdog, calls)
+        _run(runner, clock, manager, watchdog, calls, signals=signals)
     return AGAIN if again.is_set() else 0
 
 
@@ -181,11 +181,14 @@ def _enrolled(config: Config) -> VoicePrint | None:
     return voice
 
 
-def _run(runner: Runner, clock: SystemClock, manager: Manager, watchdog: Watchdog, calls: LateCalls) -> None:
+def _run(
+    runner: Runner, clock: SystemClock, manager: Manager, watchdog: Watchdog, calls: LateCalls, *, signals: ExitStack
+) -> None:
     """Run the mission on a thread of its own, so that this one hears signals at once, whatever is computed.
 
     Ctrl-C and SIGTERM are an orderly shutdown: the motor decelerates before anything else. What then does not end, as
-    a disk that hangs, is given up after `END_S`.
+    a disk that hangs, is given up after `END_S`. What is passed on of a signal interrupts nothing, nor what is closed
+    until the end of ``signals``.
 
     Raises
     ------
@@ -193,26 +196,30 @@ def _run(runner: Runner, clock: SystemClock, manager: Manager, watchdog: Watchdo
         When a signal comes again, `PASSED_ON_S` after the first, and the mission has heard nothing for as long: it may
         never hear of the first, for a plug-in computes for ever, and its thread ends with the process.
     """
-    asked = math.inf  # when a signal came first [s]
+    asked, over = math.inf, False  # when a signal came [s]; whether the mission has ended
     limit = end_within(END_S, 1, partial(_waits_for, calls))
 
     def shut_down(name: str) -> None:
         nonlocal asked
         now = clock.now()
-        if min(now - asked, watchdog.silent(MISSION)) > PASSED_ON_S:
-            raise KeyboardInterrupt
         if asked == math.inf:
             asked = now
             limit()  # before a driver is asked, which may never answer
-        runner.order(Shutdown())
+        elif min(now - asked, watchdog.silent(MISSION)) > PASSED_ON_S:
+            asked = now
+            raise KeyboardInterrupt
+        if not over:
+            runner.order(Shutdown())
         manager.stopping(name)
 
-    with on_signal(shut_down):
-        try:
-            result = hearing_signals(beside(runner.run, MISSION))
-        except AudioEnded as ended:
-            log.info("%s", ended)
-        except OSError as error:  # nobody's input any more
-            raise RuntimeError(f"a fault in flight: {error}") from error
-        else:
-            log.info("%s", result.reason)
+    signals.enter_context(on_signal(shut_down))
+    try:
+        result = hearing_signals(beside(runner.run, MISSION))
+    except AudioEnded as ended:
+        log.info("%s", ended)
+    except OSError as error:  # nobody's input any more
+        raise RuntimeError(f"a fault in flight: {error}") from error
+    else:
+        log.info("%s", result.reason)
+    finally:
+        over = True

@@ -169,3 +169,20 @@ def test_what_the_end_waits_for_is_named_and_no_thread_that_idles(their, tmp_pat
         process.terminate()
         process.wait(30)
     assert log.read_text().endswith(f"ross: not ended after 2 s, waiting for {name}; it ends so\n")
+
+
+def test_what_is_passed_on_of_a_signal_interrupts_nothing_that_is_closed(their, tmp_path):
+    slow = (
+        "import time\nfrom ross_payload.actuators.guard import Guard\nclose = Guard.__exit__\n"
+        "def closed(*those):\n    print('closing', file=sys.stderr, flush=True)\n    time.sleep(1.5)\n"
+        "    print('closed', file=sys.stderr, flush=True)\n    close(*those)\nGuard.__exit__ = closed\n"
+    )
+    soundfile.write(tmp_path / "noise.wav", np.random.default_rng(0).normal(0, 0.01, (320_000, 2)), 16000)
+    (tmp_path / "ross.toml").write_text(CONFIG.replace("theirs:here", "file:noise.wav"))
+    with program([*their(more=slow), "run", "ross.toml"], tmp_path, code=0, lives=False) as (process, log):
+        waiting.wait_for(lambda: "idle" in log.read_text())
+        process.terminate()
+        waiting.wait_for(lambda: "closing" in log.read_text())
+        process.terminate()
+        process.wait(30)
+    assert "closed" in log.read_text()
