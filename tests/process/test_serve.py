@@ -19,6 +19,7 @@ import soundfile
 from pymavlink import mavutil
 
 from ground_page import browser
+from processes import program
 from ross_sim.scenario import load
 from ross_sim.sitl.serve import linked
 from waiting import wait_for
@@ -74,6 +75,36 @@ def test_it_idles_until_ordered_explores_and_ends_with_the_truth(short, tmp_path
     truth = json.loads((out / "truth.json").read_text())
     assert max(angle for _, angle in truth["headings_deg"]) > 10
     assert soundfile.info(out / "mixture.wav").frames == truth["samples"]
+
+
+SLOW = """
+import sys, time
+from ross_payload import cli
+from ross_payload.service.runner import Runner
+from ross_sim.sitl.ground_truth import TruthWriter
+run, finish = Runner.run, TruthWriter.finish
+def running(runner):
+    print("running", file=sys.stderr, flush=True)
+    return run(runner)
+def slowly(*those):
+    print("finishing", file=sys.stderr, flush=True)
+    time.sleep(1.0)
+    finish(*those)
+Runner.run, TruthWriter.finish = running, slowly
+sys.argv[0] = "ross"
+cli.main()
+"""
+
+
+def test_a_signal_that_is_passed_on_does_not_cost_the_results(short, tmp_path):
+    command = [sys.executable, "-c", SLOW, "sitl", "--serve", "--scenario", short, "--out", tmp_path / "out", "--json"]
+    with program(command, tmp_path, code=0, lives=False) as (process, log):
+        wait_for(lambda: "running" in log.read_text())
+        process.terminate()
+        wait_for(lambda: "finishing" in log.read_text())
+        process.terminate()
+        process.wait(30)
+    assert (tmp_path / "out" / "truth.json").exists()
 
 
 @pytest.mark.soak  # with a page: the last but one

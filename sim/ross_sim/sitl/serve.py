@@ -78,7 +78,7 @@ def serve(
         Record from start to end, not only on request.
     """
     scenario = _adapted(scenario, company, always=always)
-    with ExitStack() as stack, computing(threads=1):  # the mission has a thread of its own
+    with ExitStack() as signals, ExitStack() as stack, computing(threads=1):  # the mission has a thread of its own
         cast, asked = scenario.cast(company.voices), ListenedSpeed(speed)
         far_end, simulated = scenario.far_end(), SimClock()
         clock = RealTimeClock(simulated, asked, scenario.payload.audio.buffer_s / 2) if speed else simulated
@@ -97,21 +97,23 @@ def serve(
             observers.append(Pace(asked))
         with assembled(parts, tuple(observers)) as runner, hearing:
             asked.streams = next(one.streams for one in runner.observers if isinstance(one, Listening))
-            _run(runner)
+            _run(runner, signals)
         truth.write(world.drain())
         truth.finish(facts(scenario, cast) | {"complaints": far_end.complaints()}, scenario)
 
 
-def _run(runner: Runner) -> None:
+def _run(runner: Runner, signals: ExitStack) -> None:
     """Run the mission on a thread of its own, so that this one hears signals at once.
+
+    What is passed on of a signal interrupts nothing, nor what is written until the end of ``signals``.
 
     Raises
     ------
     KeyboardInterrupt
         When a signal comes later, before the payload has shut down; its thread ends with the process then.
     """
-    with on_signal(stopping(runner, SystemClock(), Shutdown(), PASSED_ON_S)):
-        hearing_signals(beside(runner.run, MISSION))
+    signals.enter_context(on_signal(stopping(runner, SystemClock(), Shutdown(), PASSED_ON_S)))
+    hearing_signals(beside(runner.run, MISSION))
 
 
 class MissionProgress(MissionView):
