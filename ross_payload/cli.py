@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import errno
 import os
 import signal
@@ -131,6 +132,7 @@ def main() -> None:
     interrupter = Interrupter()
     for number in end_signals():  # the same clean end as Ctrl-C, also while setting up
         signal.signal(number, interrupter)
+    atexit.register(_hear_no_more)
     _occupy_closed_streams()
     code, why = 1, ""
     try:
@@ -140,6 +142,12 @@ def main() -> None:
             if why:
                 _complain(why)
     sys.exit(code)
+
+
+def _hear_no_more() -> None:
+    """Ignore signals to end from now on: Python's own end gives them back to the system, which ends with their code."""
+    for number in end_signals():
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _outcome(interrupter: Interrupter) -> tuple[int, str]:

@@ -1,3 +1,4 @@
+import ctypes
 import errno
 import io
 import json
@@ -297,6 +298,24 @@ def test_output_that_cannot_be_written_is_one_line_and_a_fault(run, monkeypatch)
     monkeypatch.setattr(sys, "stdout", OnAFullDisk())
     code, _, err = run("actuators")
     assert (code, err) == (1, "ross: the output cannot be written: No space left on device\n")
+
+
+LATE = """
+import ctypes
+from ross_payload import cli
+libc = ctypes.CDLL(None)
+libc.on_exit(getattr(libc, "raise"), None)  # is called with the exit code: 15, which is SIGTERM
+cli.ross.main = lambda **settings: 15
+cli.main()
+"""
+
+
+@pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "on_exit"), reason="needs on_exit of glibc")
+def test_a_signal_after_the_end_of_python_changes_no_exit_code():
+    """As one that a script passes on: 143 in its place."""
+    shell = ["sh", "-c", 'exec "$0" -c "$1"', sys.executable, LATE]
+    done = subprocess.run(shell, capture_output=True, text=True, check=False, timeout=60)
+    assert (done.returncode, done.stderr) == (15, "")
 
 
 def test_nothing_is_said_of_a_reader_who_has_gone():
