@@ -287,6 +287,35 @@ def test_ctrl_c_in_the_middle_of_a_move_decelerates_and_closes_the_files(short, 
     assert last["event"] == "Finished"
 
 
+WRITING = """
+import sys, time
+from ross_payload import cli
+from ross_sim.sitl import mission_session
+write = mission_session._write
+def slowly(*those):
+    print("writing", flush=True)
+    time.sleep(1.0)
+    write(*those)
+mission_session._write = slowly
+mission_session.stopping.__defaults__ = (30.0,)
+sys.argv[0] = "ross"
+cli.main()
+"""
+
+
+def test_a_signal_that_is_passed_on_while_results_are_written_does_not_cost_them(short, tmp_path):
+    out = tmp_path / "out"
+    command = [sys.executable, "-c", WRITING, "sitl", "--scenario", str(short), "--speed", "1", "--out", str(out)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert any("turning to" in line for line in process.stdout)
+        process.send_signal(signal.SIGINT)
+        assert any(line == "writing\n" for line in process.stdout)
+        process.send_signal(signal.SIGTERM)
+        _, err = process.communicate(timeout=60)
+    assert (process.returncode, err) == (130, "")
+    assert json.loads((out / "report.json").read_text())["outcome"] == "stopped"
+
+
 ENDLESS = """
 class Endless:
     name = "endless"

@@ -93,41 +93,42 @@ def perform(
     Raises
     ------
     KeyboardInterrupt
-        When a second signal to end comes before the first one has stopped the mission; there are no results then.
+        When a second signal to end comes before the results are written; there are none then.
     OutputError
         When results, the recording or a stream could not be written.
     """
-    wall = SystemClock()
-    started = wall.now()
-    draw = _picture(scenario) if out is not None else None
-    with ExitStack() as stack, computing():
-        staged = _staged(
-            stack, scenario, company, view, out, speed=speed, record=record, page=page, tracker=tracker, cache=cache
-        )
-        ready = wall.now()
-        with on_signal(stopping(staged.runner, wall, Stop())):
+    with ExitStack() as signals:  # what is passed on of one interrupts nothing, until the results are written
+        wall = SystemClock()
+        started = wall.now()
+        draw = _picture(scenario) if out is not None else None
+        with ExitStack() as stack, computing():
+            staged = _staged(
+                stack, scenario, company, view, out, speed=speed, record=record, page=page, tracker=tracker, cache=cache
+            )
+            ready = wall.now()
+            signals.enter_context(on_signal(stopping(staged.runner, wall, Stop())))
             result = staged.runner.run()
-        staged.listening.close()
-        _expect_whole(staged.listening)
-        done = wall.now()
-    log, simulated = staged.collector.log, staged.world.clock.now()
-    truth = _truth(scenario, staged.world, staged.cast, company.target)
-    values = report(log, truth, result, _configuration(scenario)) | moving_report(log, truth)
-    complaints = staged.far_end.complaints()
-    if complaints:
-        values["complaints"] = complaints
-    if softer := softer_by(log.last(Separated)):
-        values["softer_db"] = round(softer, 2)
-    timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": simulated}
-    timing["times_real_time"] = simulated / max(done - ready, 1e-9)
-    timing["payload_cpu_s"] = staged.cost.seconds
-    if out is not None and draw is not None:
-        _write(out, log, truth, values, scenario)
-        with out.writing("mission.png") as path:
-            draw(path, log, truth)
-        timing["results_s"] = wall.now() - done
-        out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
-    return Finished(result, values, timing, staged.cost, tuple(complaints))
+            staged.listening.close()
+            _expect_whole(staged.listening)
+            done = wall.now()
+        log, simulated = staged.collector.log, staged.world.clock.now()
+        truth = _truth(scenario, staged.world, staged.cast, company.target)
+        values = report(log, truth, result, _configuration(scenario)) | moving_report(log, truth)
+        complaints = staged.far_end.complaints()
+        if complaints:
+            values["complaints"] = complaints
+        if softer := softer_by(log.last(Separated)):
+            values["softer_db"] = round(softer, 2)
+        timing = {"set_up_s": ready - started, "mission_s": done - ready, "simulated_s": simulated}
+        timing["times_real_time"] = simulated / max(done - ready, 1e-9)
+        timing["payload_cpu_s"] = staged.cost.seconds
+        if out is not None and draw is not None:
+            _write(out, log, truth, values, scenario)
+            with out.writing("mission.png") as path:
+                draw(path, log, truth)
+            timing["results_s"] = wall.now() - done
+            out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
+        return Finished(result, values, timing, staged.cost, tuple(complaints))
 
 
 def stopping(runner: Runner, wall: Clock, order: Order, within: float = SAME_SIGNAL_S) -> Callable[[str], None]:
