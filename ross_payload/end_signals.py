@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import signal
+import time
 from types import FrameType
+
+PASSED_ON_S = 2.0  # within this, signals to end mean one: a script that passes it on first waits for what else it runs
 
 
 def end_signals() -> tuple[signal.Signals, ...]:
@@ -14,7 +18,9 @@ def end_signals() -> tuple[signal.Signals, ...]:
 
 
 class Interrupter:
-    """A handler that raises a KeyboardInterrupt, and remembers the signal.
+    """A handler that raises a KeyboardInterrupt, and remembers the signal; not for one that is passed on.
+
+    That would cut off what the first one has begun, as the deceleration of a motor.
 
     An exception out of a handler may come to nothing: Python ignores it where it runs a weak reference's callback, as
     while something is imported, and libraries make others of it.
@@ -22,11 +28,15 @@ class Interrupter:
 
     def __init__(self) -> None:
         self.caught: signal.Signals | None = None
+        self._raised = -math.inf  # when [s]
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
         """Interrupt."""
         self.caught = signal.Signals(number)
-        raise KeyboardInterrupt
+        now = time.monotonic()
+        if now - self._raised > PASSED_ON_S:
+            self._raised = now
+            raise KeyboardInterrupt
 
 
 def caught_signal() -> signal.Signals | None:

@@ -25,7 +25,6 @@ T = TypeVar("T")
 SIGNAL_LATENCY_S = 0.1  # [s] within which a signal is heard, whichever thread the system gave it to
 SEND_TIMEOUT_S = 0.1  # [s] that a full socket of the manager may hold us up
 PINGS = 4  # in one period of the manager's watchdog: three may be late
-PASSED_ON_S = 2.0  # within this, signals to end mean one: a script that passes it on first waits for what else it runs
 MISSION = "mission"  # its mark in `Watchdog`
 
 

@@ -22,13 +22,14 @@ from ross_payload.computing import computing
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.dronecan.shared_bus import SharedBuses
+from ross_payload.end_signals import PASSED_ON_S
 from ross_payload.errors import AudioEnded
 from ross_payload.events import Event
 from ross_payload.interfaces import Input, VoicePrint
 from ross_payload.logs import LogObserver, logging_to
 from ross_payload.mavlink import Router
 from ross_payload.mount import mount_of
-from ross_payload.notify import MISSION, PASSED_ON_S, Manager, Watchdog, beside, hearing_signals, on_signal
+from ross_payload.notify import MISSION, Manager, Watchdog, beside, hearing_signals, on_signal
 from ross_payload.orders import Shutdown, Stop
 from ross_payload.plugin_calls import LateCalls, telling_late_calls
 from ross_payload.program_end import end_within

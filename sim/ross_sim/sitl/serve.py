@@ -24,10 +24,11 @@ from ross_payload.computing import computing
 from ross_payload.config import Config, Link
 from ross_payload.config.parameter_store import Parameters
 from ross_payload.dronecan.shared_bus import SharedBuses
+from ross_payload.end_signals import PASSED_ON_S
 from ross_payload.interfaces import Clock, Input, Port
 from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
-from ross_payload.notify import MISSION, PASSED_ON_S, beside, hearing_signals, on_signal
+from ross_payload.notify import MISSION, beside, hearing_signals, on_signal
 from ross_payload.orders import Shutdown
 from ross_payload.service.check import check_settable
 from ross_payload.service.live import SWITCH_INTERVAL_S
