@@ -15,7 +15,7 @@ from typing import NamedTuple, TypeVar
 T = TypeVar("T")
 
 LOOK_S = 1.0  # between two looks
-LATE_LOOKS = 10  # that find the same call under way: then it is late
+LATE_LOOKS = 15  # that find the same call under way: then it is late; a server that is started later has 10 s
 REPEAT_LOOKS = 60  # after which it is told again
 
 log = logging.getLogger(__name__)

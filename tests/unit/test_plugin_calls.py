@@ -32,7 +32,7 @@ def test_a_call_that_does_not_return_is_told_now_and_then_until_it_does(hanging,
     for _ in range(REPEAT_LOOKS):
         late.look()
     assert late.in_words() == ("separator 'theirs': batch",)
-    assert caplog.messages == ["separator 'theirs': batch has not returned for 10 s: what needs it stands still"]
+    assert caplog.messages == ["separator 'theirs': batch has not returned for 15 s: what needs it stands still"]
     late.look()
     assert len(caplog.messages) == 2
     hanging()
