@@ -13,6 +13,9 @@ RISE = 6.0  # what comes later is at least this much louder [dB]
 FRAMES = 8  # fewer quiet frames tell nothing
 SHARE = 0.4  # of the lead-in that must be quiet
 QUANTILE = 0.1  # of the bin powers, for the guess
+LOUDEST = 4  # the loudest quarter of the bins tells voices from machines
+VARYING = 3.9  # the power in a bin that varies by more is no steady noise; Gaussian noise has 2.5 [dB]
+EXCESS = 5.0  # and no noise either if what follows is that much lower at times [dB]
 
 
 def frame_levels(spectrogram: Complex) -> Real:
@@ -25,7 +28,8 @@ def quiet_psd(lead_in: Complex, later: Complex) -> Real | None:
 
     The frames within 3 dB of the lower quartile of the levels are quiet: a cough or a talker who starts early stays
     out. They are noise when they are at least 40 % of the lead-in (speech is not that stationary) and the loud tenth
-    of what comes later is at least 6 dB above them.
+    of what comes later is at least 6 dB above them. Several people who talk at once can be that stationary, but not
+    in every bin: if the bins vary as those of voices do and what comes later is 5 dB lower at times, somebody talked.
 
     Parameters
     ----------
@@ -45,7 +49,22 @@ def quiet_psd(lead_in: Complex, later: Complex) -> Real | None:
         return None
     if np.quantile(loud, 0.9) < 10 ** (RISE / 10) * levels[quiet].mean() or not loud.max():
         return None
-    return np.asarray((np.abs(lead_in[:, :, quiet]) ** 2).mean(axis=(0, 2)), float)
+    power = np.abs(lead_in[:, :, quiet]) ** 2
+    psd = np.asarray(power.mean(axis=(0, 2)), float)
+    loudest = np.argsort(psd)[-max(1, psd.size // LOUDEST) :]
+    excess = _decibel(psd[loudest]) - _decibel(guessed_psd(later[:, loudest]))
+    if np.median(flatness(power[:, loudest])) > VARYING and np.median(excess) > EXCESS:
+        return None
+    return psd
+
+
+def flatness(power: Real) -> Real:
+    """Arithmetic over geometric mean of the powers of the last axis [dB], at least 0.
+
+    A bin of stationary Gaussian noise has an exponentially distributed power: 10 log10(e) times Euler's constant,
+    2.51 dB. Bins of voices have 4 to 12 dB, as they are empty between harmonics and sounds.
+    """
+    return np.asarray(_decibel(power.mean(axis=-1)) - _decibel(power).mean(axis=-1))
 
 
 def quiet_frames(lead_in: Complex) -> NDArray[np.intp]:
