@@ -18,7 +18,7 @@ from ross_payload.atomic_files import json_text, replacing
 from ross_payload.audio.audio_files import gain_in_files, write_wav
 from ross_payload.config import Config
 from ross_payload.errors import OutputError, refused_as
-from ross_payload.evaluation.scoring import Evaluation, level_of
+from ross_payload.evaluation.scoring import ELSEWHERE, Evaluation, level_of
 from ross_payload.evaluation.takes import Pair
 from ross_payload.terminal_tables import with_whole_words
 from ross_protocols.angle_text import rounded
@@ -54,13 +54,19 @@ def report(
         "noise": NOISE[found.noise_known],
         "si_sdr_in_db": _rounded(found.before, 2),
         "groups": [_group(index, found) for index in range(len(found.groups))],
-        "notes": [*pair.notes, *_doubts(found), *(_softer(found) if files else ())],
+        "notes": [*pair.notes, *_doubts(found, config), *(_softer(found) if files else ())],
         "configuration": config.model_dump(mode="json", include={"array", "audio", "seed"}),
         "versions": {name: version(name) for name in PACKAGES},
     }
 
 
-def _doubts(found: Evaluation) -> tuple[str, ...]:
+def _doubts(found: Evaluation, config: Config) -> tuple[str, ...]:
+    if found.elsewhere is not None:
+        near = ELSEWHERE * config.array.spacing_m / config.array.speed_of_sound_m_s
+        return (
+            f"target: heard at {found.elsewhere * 1e6:.0f} us, and no given source within {near * 1e6:.0f} us "
+            "of that: are the channels swapped, or azimuths, heading or spacing wrong?",
+        )
     if found.given or len(found.tau) > 1:
         return ()
     return ("mixture: only one direction was found, so nothing is separated: give --sources, --azimuth or --tdoa-us",)

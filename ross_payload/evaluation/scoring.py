@@ -23,6 +23,7 @@ from ross_payload.plugin_checks import load_separator
 
 MOST_DEG = 360  # of an angle on the command line, as of one in an order
 PROMINENCE = 0.005  # of a peak that is a group, over the highest
+ELSEWHERE = 0.35  # of d / v_p between the delay of the target alone and all that were given: reflections move it less
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +47,7 @@ class Evaluation:
     method: str
     why: str
     noise_known: bool  # from a quiet start
+    elsewhere: float | None = None  # delay of the target alone [s], when none that was given is near it
 
     @property
     def best(self) -> int | None:
@@ -104,19 +106,32 @@ def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None
     found = tuple(_scored(m, voice, pair) for m, voice in zip(groups.members, voices, strict=True))
     before = si_sdr(pair.mixture.samples[0, pair.span], pair.target)
     known = scene.noise_psd is not None
-    return Evaluation(before, found, tuple(tau.tolist()), given, groups.method, groups.why, known)
+    elsewhere = _elsewhere(pair, config, tau) if given else None
+    return Evaluation(before, found, tuple(tau.tolist()), given, groups.method, groups.why, known, elsewhere)
 
 
 def heard_delays(pair: Pair, config: Config, n_sources: int | None) -> Real:
     """TDOAs [s] of the peaks of the mixture's ITD density, the highest first: one per group of sources, (n_groups,)."""
+    noise_psd = noise_of(pair, config, short_frames(config.audio.rate_hz))
+    return _peaks(pair.mixture.samples, config, noise_psd)[:n_sources]
+
+
+def _peaks(samples: Real, config: Config, noise_psd: Real | None) -> Real:
+    """TDOAs [s] of the peaks of the ITD density of samples (2, n), the highest first, (n_peaks,)."""
     array = config.array
     stft = short_frames(config.audio.rate_hz)
-    noise_psd = noise_of(pair, config, stft)
     explorer = markov_explorer.explorer.make(array.spacing_m, array.speed_of_sound_m_s)
-    seen = explorer.observe(stft.analyse(pair.mixture.samples), stft.frequencies, 0.0, noise_psd)
-    peaks = prominent_peaks(seen.density, seen.grid, PROMINENCE)[:n_sources]
+    seen = explorer.observe(stft.analyse(samples), stft.frequencies, 0.0, noise_psd)
+    peaks = prominent_peaks(seen.density, seen.grid, PROMINENCE)
     longest = array.spacing_m / array.speed_of_sound_m_s
     return np.clip([refined(seen.density, seen.grid, peak) for peak in peaks], -longest, longest)
+
+
+def _elsewhere(pair: Pair, config: Config, tau: Real) -> float | None:
+    """Delay [s] at which the target alone is heard, when that of no source that was given is near it."""
+    heard = _peaks(pair.alone.samples, config, None)[:1]
+    unit = config.array.spacing_m / config.array.speed_of_sound_m_s
+    return float(heard[0]) if heard.size and np.abs(tau - heard[0]).min() > ELSEWHERE * unit else None
 
 
 def noise_of(pair: Pair, config: Config, stft: Stft) -> Real | None:

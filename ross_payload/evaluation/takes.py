@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from ross_payload.audio.audio_files import read_audio
 from ross_payload.dsp.dc_offset import without_offset
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
+from ross_payload.voiceprint.speaker_model import CLIPPED_SHARE, clipped_share
 
 SHORTEST = 1.0  # of a take, and of what two takes have in common [s]
 LOWEST_RATE = 8000  # [Hz]
@@ -31,6 +32,7 @@ class Take:
 
     samples: Real  # (2, n)
     rate: int  # [Hz]
+    clipped: float = 0.0  # share of the samples of a channel that are in flat tops, the larger one
 
     @property
     def seconds(self) -> float:
@@ -53,6 +55,7 @@ class Pair:
     mixture: Take  # from its own start to its end
     target: Real  # the target alone at microphone 1 during ``span``, (n,)
     span: slice  # of the mixture's samples
+    alone: Take  # the target's take, both microphones, from its own start to its end
     lag: Lag  # of the target's take behind the mixture's; negative: it began later
     notes: tuple[str, ...]  # what was done to the files, in words
 
@@ -68,7 +71,7 @@ def read_take(path: Path, factors: tuple[float, float] = (1.0, 1.0)) -> Take:
     """
     samples, rate = read_audio(path)
     _check(path, samples.T, rate)
-    return Take(without_offset(samples.T) * np.array(factors)[:, None], rate)
+    return Take(without_offset(samples.T) * np.array(factors)[:, None], rate, max(map(clipped_share, samples.T)))
 
 
 def _check(path: Path, samples: Real, rate: int) -> None:
@@ -94,7 +97,7 @@ def resampled(take: Take, rate: int) -> Take:
     if take.rate == rate:
         return take
     common = math.gcd(take.rate, rate)
-    return Take(resample_poly(take.samples, rate // common, take.rate // common, axis=1), rate)
+    return replace(take, samples=resample_poly(take.samples, rate // common, take.rate // common, axis=1), rate=rate)
 
 
 def paired(mixture: Take, target: Take, rate: int) -> Pair:
@@ -113,6 +116,11 @@ def paired(mixture: Take, target: Take, rate: int) -> Pair:
         for name, take in (("mixture", mixture), ("target", target))
         if take.rate != rate
     )
+    notes += tuple(
+        f"{name}: clipped ({100 * take.clipped:.2g} % of the samples), which lowers the scores"
+        for name, take in (("mixture", mixture), ("target", target))
+        if take.clipped > CLIPPED_SHARE
+    )
     mixture, target = resampled(mixture, rate), resampled(target, rate)
     found = lag_of(mixture.samples[0], target.samples[0])
     reference, span = placed(target.samples[0], found, mixture.samples.shape[1])
@@ -128,7 +136,7 @@ def paired(mixture: Take, target: Take, rate: int) -> Pair:
             f"the target is not in the mixture: expected a correlation of at least {ABSENT:g}, got "
             f"{lag.correlation:.2f}; both need the same recording played at the same place"
         )
-    return Pair(mixture, reference, span, lag, notes + _cut(mixture, target, reference.size / rate))
+    return Pair(mixture, reference, span, target, lag, notes + _cut(mixture, target, reference.size / rate))
 
 
 def _cut(mixture: Take, target: Take, common: float) -> tuple[str, ...]:

@@ -389,3 +389,26 @@ def test_a_constant_offset_of_a_recording_is_not_evaluated(tmp_path):
     write_wav(tmp_path / "offset.wav", sound + np.array([[0.2], [-0.1]]), RATE)
     plain, offset = (read_take(tmp_path / f"{name}.wav").samples for name in ("plain", "offset"))
     assert offset == pytest.approx(plain, abs=2**-22)
+
+
+def test_a_recording_that_has_clipped_is_said_to_be(takes, scored, tmp_path):
+    mixture, _ = soundfile.read(takes / "a.wav")
+    soundfile.write(tmp_path / "a.wav", np.clip(mixture / np.abs(mixture).max() * 4, -1, 1), RATE, "PCM_16")
+    soundfile.write(tmp_path / "loud.wav", mixture / np.abs(mixture).max() * 4, RATE, "FLOAT")
+    clipped, loud = (scored(tmp_path / name, takes / "b.wav", "--sources", 3) for name in ("a.wav", "loud.wav"))
+    assert [note for note in clipped["notes"] if note.startswith("mixture: clipped (")]
+    assert not [note for note in loud["notes"] if "clipped" in note]
+
+
+def test_directions_that_cannot_be_those_of_the_target_are_said_to_be(scene, takes, scored, tmp_path):
+    _, heading = scene
+    swapped = [tmp_path / name for name in ("a.wav", "b.wav")]
+    for path in swapped:
+        write_wav(path, soundfile.read(takes / path.name)[0].T[::-1], RATE)
+    where = [part for azimuth in AZIMUTHS_DEG for part in ("--azimuth", azimuth)]
+    where += ["--heading", -np.rad2deg(heading)]
+    right, wrong = scored(takes / "a.wav", takes / "b.wav", *where), scored(*swapped, *where)
+    assert not right["notes"]
+    (note,) = wrong["notes"]
+    assert note.startswith("target: heard at -1") and "are the channels swapped" in note
+    assert not scored(*swapped, "--sources", 3)["notes"]
