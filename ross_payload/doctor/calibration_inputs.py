@@ -69,12 +69,19 @@ def from_wav(config: Config, path: Path, table: Path, base: Attitude) -> list[He
     if samples.shape[1] < wiring.needed:
         raise ConfigError(f"{path}: expected at least {wiring.needed} channels, got {samples.shape[1]}")
     both, heard = np.ascontiguousarray(samples[:, list(wiring.channels)].T, dtype=np.float32), []
-    for number, (begin, end, joint) in enumerate(_table(table), start=2):
+    stretches: list[tuple[float, float, float]] = []
+    for number, begin, end, joint in _table(table):
         if not 0 <= begin < end <= len(samples) / rate:
             length = f"{len(samples) / rate:g}"
             raise ConfigError(
                 f"{table}: line {number}: expected 0 <= from_s < to_s <= {length}, got {begin:g}, {end:g}"
             )
+        for other in stretches:
+            if begin < other[1] and other[0] < end and joint != other[2]:
+                raise ConfigError(
+                    f"{table}: line {number}: expected one angle at a time, got {joint:g} and {other[2]:g}"
+                )
+        stretches.append((begin, end, joint))
         part = wiring.apply(both[:, round(begin * rate) : round(end * rate)]).samples
         found = heading_spectrum(part, rate, base.yaw + math.radians(joint) + config.offset)
         if found is not None:
@@ -82,22 +89,26 @@ def from_wav(config: Config, path: Path, table: Path, base: Attitude) -> list[He
     return heard
 
 
-def _table(path: Path) -> Iterator[tuple[float, float, float]]:
+def _table(path: Path) -> Iterator[tuple[int, float, float, float]]:
+    """Line, from [s], to [s] and joint angle [deg] of every stretch."""
     with refused_as(ConfigError, f"{path}: cannot be read"):
         data = read_bounded(path)
     try:
-        lines = list(csv.DictReader(data.decode("utf-8-sig").splitlines()))
+        reader = csv.DictReader(data.decode("utf-8-sig").splitlines(), skipinitialspace=True)
+        reader.fieldnames = names = [name.strip() for name in reader.fieldnames or ()]
+        lines = [(reader.line_num, line) for line in reader]
     except (UnicodeDecodeError, csv.Error) as error:
         raise ConfigError(f"{path}: expected CSV in UTF-8, got something else") from error
-    for number, line in enumerate(lines, start=2):
+    wanted = ", ".join(COLUMNS)
+    there = "" if set(COLUMNS) <= set(names) else f", got the columns {', '.join(names)}"
+    for number, line in lines:
         try:
             values = [float(line[name]) for name in COLUMNS]
         except (KeyError, TypeError, ValueError) as error:
-            wanted = ", ".join(COLUMNS)
-            raise ConfigError(f"{path}: line {number}: expected numbers in the columns {wanted}") from error
+            raise ConfigError(f"{path}: line {number}: expected numbers in the columns {wanted}{there}") from error
         if not all(map(math.isfinite, values)):
             raise ConfigError(f"{path}: line {number}: expected finite numbers, got {values}")
-        yield values[0], values[1], values[2]
+        yield number, values[0], values[1], values[2]
 
 
 def _rests(inputs: Iterable[Input], longest: int) -> Iterator[tuple[float, Samples, bool]]:

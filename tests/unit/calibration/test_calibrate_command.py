@@ -52,6 +52,33 @@ def test_it_says_what_differs_and_writes_nothing_unasked(files, monkeypatch, cap
     assert files[0].read_text() == before
 
 
+def test_a_table_written_by_hand_may_have_spaces_and_blank_lines(files, monkeypatch, capsys):
+    table = files[2]
+    table.write_text(table.read_text().replace(",", " , ").replace("\n", "\n\n"))
+    code, out, err = called(monkeypatch, capsys, *offline(files))
+    assert (code, err) == (0, "")
+    assert "64.0" in out
+
+
+@pytest.mark.parametrize(
+    ("head", "words"),
+    [
+        (
+            "from;to;joint\n",
+            "expected numbers in the columns from_s, to_s, joint_deg, got the columns from;to;joint",
+        ),
+        ("from_s,to_s,joint_deg\n\n0,1,north\n", "turn.csv: line 3: expected numbers"),
+        ("from_s,to_s,joint_deg\n0.1,2.5,7\n", "expected one angle at a time, got 0 and 7"),
+    ],
+)
+def test_a_table_that_cannot_be_meant_is_one_line_with_its_place(files, monkeypatch, capsys, head, words):
+    files[2].write_text(files[2].read_text().replace("from_s,to_s,joint_deg\n", head, 1))
+    code, out, err = called(monkeypatch, capsys, *offline(files))
+    assert (code, out) == (2, "")
+    assert words in err
+    assert err.count("\n") == 1
+
+
 def test_what_it_writes_makes_the_array_agree(files, monkeypatch, capsys):
     azimuth = f"{math.degrees(-0.7) % 360:.3f}"  # of the sound, on a compass
     code, out, _ = called(monkeypatch, capsys, *offline(files, "--write", "--azimuth", azimuth))
