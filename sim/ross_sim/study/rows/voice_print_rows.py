@@ -56,25 +56,39 @@ def equal_error_rate(targets: Real, strangers: Real) -> float:
 
 def errors(rows: Sequence[VoicePrintRow]) -> Real:
     """Equal error rate, false rejects and false accepts at the criterion, (3,); not a number where nobody is."""
-    targets = np.concatenate([row.targets for row in rows])
-    strangers = np.full(sum(row.strangers for row in rows), -np.inf)
-    near = np.concatenate([row.near for row in rows])
-    strangers[: near.size] = near
-    if not targets.size or not strangers.size:
-        return np.full(3, np.nan)
-    return np.array(
-        [equal_error_rate(targets, strangers), np.mean(targets <= CRITERION), np.mean(strangers > CRITERION)]
-    )
+    (found,) = _redrawn([rows], np.ones((1, 1)))
+    return np.asarray(found)
 
 
 def intervals(rows: Sequence[VoicePrintRow]) -> Real:
     """Where 95 % of `errors` lie when whole mixtures are resampled, each with all its rooms, (2, 3)."""
     mixtures = list(grouped(rows, lambda row: (row.seed, row.mixture)).values())
-    rng, found = np.random.default_rng(0), []
-    for _ in range(REDRAWN):
-        drawn = rng.integers(len(mixtures), size=len(mixtures))
-        found.append(errors([row for index in drawn for row in mixtures[index]]))
-    return np.asarray(np.nanpercentile(found, [2.5, 97.5], axis=0))
+    rng, n = np.random.default_rng(0), len(mixtures)
+    times = [np.bincount(rng.integers(n, size=n), minlength=n) for _ in range(REDRAWN)]
+    return np.asarray(np.nanpercentile(_redrawn(mixtures, np.array(times, float)), [2.5, 97.5], axis=0))
+
+
+def _redrawn(mixtures: Sequence[Sequence[VoicePrintRow]], times: Real) -> Real:
+    """`errors` where mixtures (m,) count so many ``times`` (n, m), (n, 3)."""
+    targets = [np.concatenate([row.targets for row in rows]) for rows in mixtures]
+    near = [np.concatenate([row.near for row in rows]) for rows in mixtures]
+    far = np.array([sum(row.strangers for row in rows) for rows in mixtures]) - [values.size for values in near]
+    thresholds = np.unique(np.concatenate([*targets, *near, [-np.inf, CRITERION]]))
+    with np.errstate(invalid="ignore"):  # where nobody is
+        rejected = times @ [_at_most(values, thresholds) for values in targets]
+        rejected /= rejected[:, -1:]
+        accepted = times @ (np.array([_at_most(values, thresholds) for values in near]) + far[:, None])
+        accepted = 1 - accepted / accepted[:, -1:]
+    best, criterion = np.argmin(np.abs(rejected - accepted), axis=1), np.searchsorted(thresholds, CRITERION)
+    equal = np.take_along_axis(rejected + accepted, best[:, None], axis=1)[:, 0] / 2
+    return np.where(
+        np.isnan(equal)[:, None], np.nan, np.stack([equal, rejected[:, criterion], accepted[:, criterion]], 1)
+    )
+
+
+def _at_most(values: Real, thresholds: Real) -> Real:
+    """How many of the values are at most each threshold."""
+    return np.asarray(np.searchsorted(np.sort(values), thresholds, side="right"), float)
 
 
 def voice_prints(rows: Sequence[VoicePrintRow]) -> Table:
