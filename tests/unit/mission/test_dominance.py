@@ -1,6 +1,7 @@
 """Of a voice that holds much of the others the parts are compared in which it dominates, of a clean one everything."""
 
 from dataclasses import dataclass, field, replace
+from functools import cache
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -9,7 +10,7 @@ import pytest
 
 from mission_bench import Likes, OneGroupEach, rig
 from ross_payload.events import Outcome, Separated
-from ross_payload.interfaces import Clip, Groups, Quality
+from ross_payload.interfaces import Clip, Groups, Quality, VoicePrint
 from ross_payload.mission.identify_target import CERTAIN, beyond_doubt
 from ross_payload.mission.voice_evidence import Evidence, lone_voices
 from ross_payload.voiceprint import enrol
@@ -22,8 +23,8 @@ SECONDS = 10
 DRAWS = 3
 
 
-def separated(levels_db: list[float], seed: int = 0) -> tuple[list, np.ndarray]:
-    """Three voices, and what a separator that is right to within `LEAK` gives of them, (3, n), float32."""
+def separated(levels_db: list[float], seed: int = 0) -> np.ndarray:
+    """What a separator that is right to within `LEAK` gives of three voices, (3, n), float32."""
     voices, rng = list(synthetic_voices(RATE))[:3], np.random.default_rng(seed)
     n = SECONDS * RATE
     clips = []
@@ -32,7 +33,12 @@ def separated(levels_db: list[float], seed: int = 0) -> tuple[list, np.ndarray]:
         clip = np.resize(voice.speech[start:], n)
         clips.append(10 ** (level / 20) * clip / np.sqrt(np.mean(clip**2)))
     clean = np.stack(clips)
-    return voices, (clean + LEAK * (clean.sum(axis=0) - clean)).astype(np.float32)
+    return (clean + LEAK * (clean.sum(axis=0) - clean)).astype(np.float32)
+
+
+@cache
+def print_of(index: int) -> VoicePrint:
+    return enrol(list(synthetic_voices(RATE))[index].enrolment, RATE)
 
 
 def mean_scores(prints: list, clips: list[Clip]) -> np.ndarray:
@@ -120,9 +126,8 @@ def test_any_shape_and_silence(shape, rate) -> None:
 def test_a_soft_voice_sounds_more_like_its_own_print_and_not_more_like_others(soft) -> None:
     levels, quality = [0.0] * 3, [15.0] * 3
     levels[soft], quality[soft] = -12.0, 0.0
-    voices = list(synthetic_voices(RATE))[:3]
-    prints = [enrol(voices[index].enrolment, RATE) for index in (soft, *{0, 1, 2} - {soft})]  # its own first
-    heard = [separated(levels, seed)[1] for seed in range(DRAWS)]
+    prints = [print_of(index) for index in (soft, *{0, 1, 2} - {soft})]  # its own first
+    heard = [separated(levels, seed) for seed in range(DRAWS)]
     kept = [dominant(each, believed(*quality), RATE)[soft] for each in heard]
     as_it_is = mean_scores(prints, [Clip(each[soft]) for each in heard])
     parts = mean_scores(prints, [Clip(clip.samples) for clip in kept])
@@ -134,10 +139,9 @@ def test_a_soft_voice_sounds_more_like_its_own_print_and_not_more_like_others(so
 
 
 def test_who_is_never_heard_alone_is_undecided() -> None:
-    voices, _ = separated([0, 0, 0])
     groups = Groups(np.zeros((2, 1, 0), complex), ((0,), (1,)), "made up", quality=believed(15, -3))
     heard = lone_voices(groups, dominant(noise(1, 0.1).astype(np.float32), groups.quality, RATE))
-    evidence = Evidence(RATE, enrol(voices[0].enrolment, RATE))
+    evidence = Evidence(RATE, print_of(0))
     assert evidence.hear(1, heard[1], seconds=1.0) == 0.0
     assert evidence.alone(heard[1]) == 0.0
     assert evidence.seconds(1) == 0.0
