@@ -1,6 +1,7 @@
 """The public benchmark: its list, the recordings it asks for, the audio it builds, and how estimates are scored."""
 
 import csv
+import errno
 import json
 import os
 import runpy
@@ -17,9 +18,10 @@ from click.testing import CliRunner
 from command_line import called, called_once
 from manual import block
 from ross_payload.dsp.metrics import si_sdr
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, OutputError
 from ross_sim.study.benchmark import scene_list, score_estimates
 from ross_sim.study.benchmark.benchmark_rows import BenchmarkLocalization, BenchmarkSeparation
+from ross_sim.study.benchmark.build_audio import write_wav
 from ross_sim.study.benchmark.recordings import RATE, Recording, described, found, sha256
 from ross_sim.study.benchmark.scene_list import FILES, ROOMS, RoomLine, drawn, read_list, write_list
 from ross_sim.study.rows.row_files import as_csv, read_rows
@@ -397,6 +399,82 @@ def test_a_list_is_not_drawn_for_a_folder_that_is_not_there(tmp_path):
     done = CliRunner().invoke(scene_list.main, [str(tmp_path / "none")])
     assert (done.exit_code, done.output.count("\n")) == (2, 1)
     assert "expected the rows of a study" in done.output
+
+
+def listed(*arguments):
+    return CliRunner().invoke(scene_list.main, [str(each) for each in arguments])
+
+
+def test_scenes_of_other_recordings_are_drawn_and_built_from_a_folder_of_them(lists, tmp_path, ross):
+    speech = tmp_path / "speech"
+    speech.mkdir()
+    for name, path in zip(("anna", "bo-2", "cleo"), sorted((lists / "speech").rglob("*.flac")), strict=True):
+        shutil.copy(path, speech / f"{name}.flac")
+    shutil.copy(speech / "bo-2.flac", speech / "bo-3.flac")
+    made = listed(tmp_path / "mine", "--describe", speech, "--corpus", "ours", "--licence", "CC0")
+    assert (made.exit_code, made.output) == (0, "")
+    lines = read_rows(tmp_path / "mine" / FILES[2], [Recording])[1]
+    assert [(line.utterance, line.corpus, line.licence) for line in lines] == [
+        ("anna", "ours", "CC0"), ("bo-2", "ours", "CC0"), ("cleo", "ours", "CC0"),
+    ]  # fmt: skip
+    (tmp_path / "mine" / FILES[0]).write_bytes(as_csv((RoomLine("S1", 0, 1),), RoomLine))
+    code, _, errors = ross("build", "--list", tmp_path / "mine", *of(speech, tmp_path / "audio"))
+    assert (code, errors) == (0, "")
+    assert (tmp_path / "audio" / TURN / "mixture.wav").is_file()
+    (speech / "anna.flac").unlink()
+    code, _, errors = ross("build", "--list", tmp_path / "mine", *of(speech, tmp_path / "more"))
+    assert (code, errors) == (2, f"ross: {speech}: anna of ours is missing; it is in ours\n")
+
+
+def test_another_seed_draws_other_scenes_for_the_same_recordings(lists, tmp_path):
+    drawn_first = []
+    for seed in ((), ("--seed", 5), ()):
+        shutil.copy(lists / FILES[2], tmp_path)
+        assert listed(tmp_path, *seed).exit_code == 0
+        drawn_first.append((tmp_path / FILES[1]).read_bytes())
+    assert drawn_first[0] == drawn_first[2] != drawn_first[1]
+
+
+def test_recordings_that_make_no_scene_are_refused_in_one_line(lists, tmp_path):
+    lines = read_rows(lists / FILES[2], [Recording])[1]
+    for wrong, words in (
+        ([replace(lines[0], samples=159_999), *lines[1:]], "7-1-0000: expected at least 160000 samples, got 159999"),
+        (lines[:2], "expected at least 3 recordings, got 2"),
+    ):
+        (tmp_path / FILES[2]).write_bytes(as_csv(wrong, Recording))
+        done = listed(tmp_path)
+        assert (done.exit_code, done.output.count("\n")) == (2, 1)
+        assert words in done.output
+        assert not (tmp_path / FILES[1]).exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "samples", "rate", "words"),
+    [
+        ("a", np.ones(240_000), 24_000, "expected one channel at 16000 Hz, got 1 at 24000 Hz"),
+        ("a", np.ones((160_000, 2)), RATE, "expected one channel at 16000 Hz, got 2 at 16000 Hz"),
+        ("a", np.zeros(160_000), RATE, "expected a voice, got silence"),
+        ("a", np.ones(159_999), RATE, "expected recordings of at least 10 s, got none"),
+        ("a b", np.arange(160_000) / 160_000, RATE, "expected a name without spaces"),
+    ],
+    ids=["rate", "stereo", "silent", "short", "spaces"],
+)
+def test_a_recording_that_cannot_be_described_is_named_in_one_line(tmp_path, name, samples, rate, words):
+    (tmp_path / "speech").mkdir()
+    soundfile.write(tmp_path / "speech" / f"{name}.wav", samples, rate)
+    done = listed(tmp_path / "mine", "--describe", tmp_path / "speech", "--licence", "CC0")
+    assert (done.exit_code, done.output.count("\n")) == (2, 1)
+    assert words in done.output
+    assert not (tmp_path / "mine").exists()
+
+
+def test_a_full_disk_is_named_as_one(monkeypatch, tmp_path):
+    def full(path, data):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OutputError, match=r"a\.wav: cannot be written: No space left on device"):
+        write_wav(tmp_path / "a.wav", np.zeros((1, 10)))
 
 
 @pytest.mark.soak

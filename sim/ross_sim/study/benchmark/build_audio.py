@@ -8,6 +8,7 @@ its hashes.
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 import shutil
 from collections.abc import Callable, Mapping, Sequence
@@ -191,7 +192,7 @@ def _open(out: Path, manifest: dict[str, Any]) -> None:
         return
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise ConfigError(f"{out}: expected an empty folder, or one that a build was begun in")
-    with refused_as(ConfigError, f"{out}: cannot be written"):
+    with refused_as(OutputError, f"{out}: cannot be written"):
         out.mkdir(parents=True, exist_ok=True)
         with replacing(path) as part:
             part.write_text(json.dumps(manifest) + "\n", encoding="utf-8")
@@ -241,11 +242,11 @@ def write_wav(path: Path, sound: Real) -> None:
     OutputError
         When it cannot be written.
     """
-    try:
-        whole = np.round(FULL_SCALE * np.clip(sound, -1.0, 1.0 - 1 / FULL_SCALE)).astype(np.int16)
-        soundfile.write(path, whole.T, RATE, subtype="PCM_16", format="WAV")
-    except (soundfile.LibsndfileError, OSError) as error:
-        raise OutputError(f"{path}: cannot be written: {error}") from error
+    whole = np.round(FULL_SCALE * np.clip(sound, -1.0, 1.0 - 1 / FULL_SCALE)).astype(np.int16)
+    memory = io.BytesIO()  # libsndfile does not say that a disk is full
+    soundfile.write(memory, whole.T, RATE, subtype="PCM_16", format="WAV")
+    with refused_as(OutputError, f"{path}: cannot be written"):
+        path.write_bytes(memory.getvalue())
 
 
 def _files(folder: Path) -> list[Path]:

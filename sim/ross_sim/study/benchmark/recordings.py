@@ -31,7 +31,7 @@ Integers = NDArray[np.int64]
 class Recording:
     """One utterance of a public corpus: a line of ``recordings.csv``."""
 
-    utterance: str  # READER-CHAPTER-NUMBER
+    utterance: str  # READER-CHAPTER-NUMBER, or what else its file is called
     corpus: str
     subset: str
     licence: str
@@ -49,11 +49,11 @@ class Recording:
     @property
     def download(self) -> str:
         """Where it can be got."""
-        return f"{self.subset}.tar.gz at {CORPORA.get(self.corpus, self.corpus)}"
+        return f"{self.subset}.tar.gz at {CORPORA[self.corpus]}" if self.corpus in CORPORA else self.corpus
 
     def places(self, folder: Path) -> Iterator[Path]:
         """Where it may be in a folder: LibriSpeech's own layout from any level on, or beside the others."""
-        chapter = Path(self.reader, self.utterance.split("-")[1])
+        chapter = Path(*self.utterance.split("-")[:-1])
         tops = (Path(self.corpus, self.subset) / chapter, Path(self.subset) / chapter, chapter, Path())
         for top in tops:
             yield from (folder / top / f"{self.utterance}{suffix}" for suffix in SUFFIXES)
@@ -87,6 +87,39 @@ def described(utterance: str, samples: Integers, **of_the_corpus: str) -> Record
         utterance,
         samples=own.size, mean=float(own.mean()), rms=float(own.std()), sha256=sha256(own), **of_the_corpus,
     )  # fmt: skip
+
+
+def one_of_each_reader(folder: Path, shortest: int, **of_the_corpus: str) -> list[Recording]:
+    """Describe the first recording of every reader of a folder that has at least ``shortest`` samples.
+
+    Raises
+    ------
+    ConfigError
+        When there is none, or one cannot be read, is silent, or has another rate, more channels or a space in its name.
+    """
+    lines: dict[str, Recording] = {}
+    for path in sorted(path for path in folder.rglob("*") if path.suffix in SUFFIXES):
+        line = Recording(path.stem, samples=0, mean=0.0, rms=0.0, sha256="", **of_the_corpus)
+        if line.reader in lines or path not in line.places(folder):
+            continue
+        if len(path.stem.split()) != 1:
+            raise ConfigError(f"{path}: expected a name without spaces")
+        try:
+            about = soundfile.info(path)
+            if (about.samplerate, about.channels) != (RATE, 1):
+                got = f"{about.channels} at {about.samplerate} Hz"
+                raise ConfigError(f"{path}: expected one channel at {RATE} Hz, got {got}")
+            if about.frames < shortest:
+                continue
+            line = described(path.stem, soundfile.read(path, dtype="int16")[0].astype(np.int64), **of_the_corpus)
+        except (soundfile.LibsndfileError, OSError) as error:
+            raise ConfigError(f"{path}: not a recording that can be read: {error}") from error
+        if not line.rms > 0:
+            raise ConfigError(f"{path}: expected a voice, got silence")
+        lines[line.reader] = line
+    if not lines:
+        raise ConfigError(f"{folder}: expected recordings of at least {shortest / RATE:g} s, got none")
+    return list(lines.values())
 
 
 def restored(copy: Integers, recording: Recording) -> Integers:

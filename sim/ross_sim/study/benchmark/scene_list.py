@@ -2,7 +2,10 @@
 
 ``rooms.csv`` says how many layouts every room has, ``layouts.csv`` what they are, ``recordings.csv`` who speaks. All
 rooms have the same layouts. `python -m ross_sim.study.benchmark.scene_list FOLDER` draws rooms and layouts for the
-recordings of a folder; those of this package are what it makes, and stay as they are whatever becomes of the code.
+recordings of a folder, and other ones for another seed; those of this package are what it makes with the default, and
+stay as they are whatever becomes of the code. With `--describe SPEECH` it first writes ``recordings.csv`` itself, about
+the first recording that is long enough of every reader in ``SPEECH``, which is laid out as LibriSpeech is or flat:
+READER-CHAPTER-NUMBER, or any name.
 """
 
 from __future__ import annotations
@@ -17,7 +20,7 @@ import numpy as np
 
 from ross_payload.atomic_files import write_whole
 from ross_payload.errors import ConfigError, refused_as, unknown
-from ross_sim.study.benchmark.recordings import RATE, Recording
+from ross_sim.study.benchmark.recordings import RATE, Recording, one_of_each_reader
 from ross_sim.study.rows.row_files import as_csv, read_rows
 from ross_sim.study.scenes.mixtures import aligned_heading, spread
 from ross_sim.study.scenes.room_settings import FAR, HIGH, LOW, NEAR, SETTINGS
@@ -26,6 +29,7 @@ from ross_sim.study.script_errors import told_in_a_line
 HERE = Path(__file__).parent
 SEED = 2016
 SECONDS = 10.0  # of a mixture
+SHORTEST = round(SECONDS * RATE)  # samples of a recording
 COUNTS = (3, 4, 5)  # K
 ALIGNED, RANDOM, TURNING = "aligned", "random", "turning"  # orientation of the array
 FILES = ("rooms.csv", "layouts.csv", "recordings.csv")
@@ -149,7 +153,7 @@ def _check(folder: Path, scenes: SceneList) -> None:
         for talker, start in zip(layout.talkers, layout.starts, strict=True):
             if talker not in known:
                 raise ConfigError(f"{where}: {unknown('utterance', talker, known)}")
-            last = known[talker].samples - round(SECONDS * RATE)
+            last = known[talker].samples - SHORTEST
             if not 0 <= start <= last:
                 raise ConfigError(f"{where}: expected a start from 0 to {last} in {talker}, got {start}")
 
@@ -170,7 +174,7 @@ def _drawn(k: int, n: int, recordings: Sequence[Recording], seed: int) -> Layout
         k,
         target,
         tuple(recording.utterance for recording in chosen),
-        tuple(int(rng.integers(recording.samples - round(SECONDS * RATE) + 1)) for recording in chosen),
+        tuple(int(rng.integers(recording.samples - SHORTEST + 1)) for recording in chosen),
         tuple(azimuths.tolist()),
         tuple(rng.uniform(NEAR, FAR, k).round(3).tolist()),
         tuple(rng.uniform(LOW, HIGH, k).round(3).tolist()),
@@ -180,20 +184,62 @@ def _drawn(k: int, n: int, recordings: Sequence[Recording], seed: int) -> Layout
     )
 
 
-def write_list(folder: Path, rooms: Sequence[RoomLine] = ROOMS) -> None:
-    """Draw rooms and layouts for the recordings of a folder, and write them beside those."""
-    recordings = read_rows(folder / FILES[2], [Recording])[1]
+def write_list(folder: Path, rooms: Sequence[RoomLine] = ROOMS, seed: int = SEED) -> None:
+    """Draw rooms and layouts for the recordings of a folder, and write them beside those.
+
+    Raises
+    ------
+    ConfigError
+        When there are too few recordings for a scene, or one is too short; says what was expected.
+    """
+    path = folder / FILES[2]
+    recordings = read_rows(path, [Recording])[1]
+    for recording in recordings:
+        if recording.samples < SHORTEST:
+            raise ConfigError(
+                f"{path}: {recording.utterance}: expected at least {SHORTEST} samples, got {recording.samples}"
+            )
+    if len(recordings) < min(COUNTS):
+        raise ConfigError(f"{path}: expected at least {min(COUNTS)} recordings, got {len(recordings)}")
     with refused_as(ConfigError, f"{folder}: cannot be written"):
         write_whole(folder / FILES[0], as_csv(rooms, RoomLine))
-        write_whole(folder / FILES[1], as_csv(drawn(recordings, rooms), Layout))
+        write_whole(folder / FILES[1], as_csv(drawn(recordings, rooms, seed), Layout))
+
+
+def describe(folder: Path, speech: Path, corpus: str, licence: str) -> None:
+    """Write ``recordings.csv`` of a folder, about one recording of every reader in ``speech``.
+
+    Raises
+    ------
+    ConfigError
+        When a recording does not fit, or the file is there or cannot be written.
+    """
+    of_the_corpus = {"corpus": corpus, "subset": speech.resolve().name, "licence": licence, "sex": ""}
+    path = folder / FILES[2]
+    if path.exists():
+        raise ConfigError(f"{path}: is there already; remove it, or leave out --describe")
+    recordings = one_of_each_reader(speech, SHORTEST, **of_the_corpus)
+    with refused_as(ConfigError, f"{folder}: cannot be written"):
+        folder.mkdir(parents=True, exist_ok=True)
+        write_whole(path, as_csv(recordings, Recording))
 
 
 @click.command(help=__doc__)
 @click.argument("folder", type=click.Path(path_type=Path))
-def main(folder: Path) -> None:
+@click.option(
+    "--describe", "speech", type=click.Path(path_type=Path), help="Folder of recordings, 16 kHz, one channel."
+)
+@click.option("--corpus", default="LibriSpeech", show_default=True, help="What --describe says they are of.")
+@click.option("--licence", help="What --describe says they are under, such as 'CC BY 4.0'.")
+@click.option("--seed", type=click.IntRange(0), default=SEED, show_default=True, help="Of the layouts.")
+def main(folder: Path, speech: Path | None, corpus: str, licence: str | None, seed: int) -> None:
     """Draw rooms and layouts for the recordings of FOLDER."""
     with told_in_a_line():
-        write_list(folder)
+        if speech is not None:
+            if not licence:
+                raise ConfigError("--describe: expected --licence, too: that of the recordings")
+            describe(folder, speech, corpus, licence)
+        write_list(folder, seed=seed)
 
 
 if __name__ == "__main__":
