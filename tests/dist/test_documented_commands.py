@@ -272,6 +272,8 @@ READERS = {  # of files that are no payload's configuration, by page and by word
     ("on-a-drone", "[vehicle]"): as_scenario,
     ("run-a-study", ""): as_study,
     ("add-your-own-actuator", "# pyproject.toml"): as_package,
+    ("add-your-own-explorer", "# pyproject.toml"): as_package,
+    ("add-your-own-explorer", "# explored.toml"): as_scenario,
     ("add-your-own-separator", "# pyproject.toml"): as_package,
     ("add-your-own-sink", "# pyproject.toml"): as_package,
     ("parameters", "[parameters]"): as_parameters,

@@ -36,6 +36,7 @@ PROGRAMS = [
     ("explanation/contradictions", ">>>", "tests/unit/test_walk_pages.py"),
     ("explanation/one-turn-through-the-code", ">>>", "tests/unit/test_walk_pages.py"),
     ("how-to/add-your-own-actuator", "# my_turntable/", "tests/dist/test_own_actuator.py"),
+    ("how-to/add-your-own-explorer", "# my_explorer.py", "tests/dist/test_own_explorer.py"),
     ("how-to/add-your-own-separator", "# my_separator.py", "tests/dist/test_own_separator.py"),
     ("how-to/add-your-own-sink", "# my_sink.py", "tests/dist/test_own_sink.py"),
     ("how-to/command-the-payload", "command_long_send", "tests/process/test_guides.py"),
