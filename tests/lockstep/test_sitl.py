@@ -22,6 +22,7 @@ from mission_fixtures import without_picture
 from ross_payload.orders import Stop
 from ross_payload.service.runner import Runner
 from ross_sim.clock import SimClock
+from ross_sim.devices.ideal import IdealActuator
 from ross_sim.sitl import mission_session
 from short_mission import CHEAP, PAIR, SOON, brief, changed
 
@@ -237,6 +238,23 @@ def test_one_talker_is_found(mission, tmp_path):
     assert abs(report["sources"][0]["azimuth_error_deg"]) < 5
 
 
+@pytest.mark.parametrize("wanted", [True, False])
+def test_an_actuator_that_cannot_be_closed_costs_no_results(run, short, tmp_path, monkeypatch, wanted):
+    def broken(actuator, *error):
+        raise OSError("the wire is gone")
+
+    monkeypatch.setattr(IdealActuator, "__exit__", broken)
+    short.write_text(PAIR)
+    out = ("--out", tmp_path / "out") if wanted else ()
+    code, printed, errors = run("sitl", "--scenario", short, "--informed", "--actuator", "ideal", "--json", *out)
+    assert (code, errors) == (1, "ross: the driver broke: OSError('the wire is gone')\n")
+    assert (tmp_path / "out").exists() == wanted
+    if wanted:
+        report = json.loads((tmp_path / "out" / "report.json").read_text())
+        assert report["outcome"] == json.loads(printed)["outcome"] != "fault"
+        assert soundfile.info(tmp_path / "out" / "mixture.wav").duration >= report["mission_s"]
+
+
 @pytest.mark.soak
 def test_two_talkers_that_mirror_each_other_are_two(tmp_path):
     done, report = sitl(tmp_path / "out", "--scenario", "two-talkers-mirrored")
@@ -290,6 +308,7 @@ def test_ctrl_c_in_the_middle_of_a_move_decelerates_and_closes_the_files(short, 
 WRITING = """
 import sys, time
 from ross_payload import cli
+from ross_sim.devices.ideal import IdealActuator
 from ross_sim.sitl import mission_session
 write = mission_session._write
 def slowly(*those):

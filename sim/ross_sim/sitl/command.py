@@ -179,6 +179,8 @@ def _run(
             view.close()
     mistaken = taken_for_target(finished.report, [voice.name for voice in company.voices])
     show(finished, out, as_json, mistaken=mistaken)
+    if finished.closing is not None:
+        raise finished.closing
     outcome = WRONG_TARGET if mistaken else int(finished.result.outcome)
     if looking is not None and (outcome != INTERRUPTED or looking.stopped):
         looking.linger(out is not None, aside=as_json)

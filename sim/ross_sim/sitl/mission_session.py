@@ -20,7 +20,7 @@ from ross_payload.clock import SystemClock
 from ross_payload.computing import computing
 from ross_payload.config import VEHICLE_YAW, Config, Link
 from ross_payload.config import Guard as Rules
-from ross_payload.errors import OutputError
+from ross_payload.errors import ActuatorError, OutputError
 from ross_payload.events import Separated
 from ross_payload.interfaces import ActuatorState, Attitude, Clock, Mount, Result, Services
 from ross_payload.listening.observers import Listening
@@ -72,6 +72,7 @@ class Finished:
     timing: dict[str, float]
     cost: Cost  # of the payload's hearing and deciding
     complaints: tuple[str, ...]  # of the simulated hardware
+    closing: ActuatorError | None  # what went wrong when the actuator was closed, the mission being over
 
 
 def perform(
@@ -92,6 +93,8 @@ def perform(
 
     Raises
     ------
+    ActuatorError
+        When the actuator cannot be opened, or not be closed where no results are wanted; else see `Finished`.
     KeyboardInterrupt
         When a second signal to end comes before the results are written; there are none then.
     OutputError
@@ -101,7 +104,7 @@ def perform(
         wall = SystemClock()
         started = wall.now()
         draw = _picture(scenario) if out is not None else None
-        with ExitStack() as stack, computing():
+        with _Closing(kept=out is not None) as closing, ExitStack() as stack, computing():
             staged = _staged(
                 stack, scenario, company, view, out, speed=speed, record=record, page=page, tracker=tracker, cache=cache
             )
@@ -110,7 +113,7 @@ def perform(
             result = staged.runner.run()
             staged.listening.close()
             _expect_whole(staged.listening)
-            done = wall.now()
+            done, closing.over = wall.now(), True
         log, simulated = staged.collector.log, staged.world.clock.now()
         truth = _truth(scenario, staged.world, staged.cast, company.target)
         values = report(log, truth, result, _configuration(scenario)) | moving_report(log, truth)
@@ -128,7 +131,24 @@ def perform(
                 draw(path, log, truth)
             timing["results_s"] = wall.now() - done
             out.write_json("timing.json", {name: round(value, 3) for name, value in timing.items()})
-        return Finished(result, values, timing, staged.cost, tuple(complaints))
+        return Finished(result, values, timing, staged.cost, tuple(complaints), closing.error)
+
+
+@dataclass(slots=True)
+class _Closing:
+    """Keeps an error of the actuator that comes when the mission is over: its results are to be written first."""
+
+    kept: bool
+    over: bool = False
+    error: ActuatorError | None = None
+
+    def __enter__(self) -> _Closing:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> bool:
+        if self.kept and self.over and isinstance(error, ActuatorError):
+            self.error = error
+        return self.error is not None
 
 
 def stopping(runner: Runner, wall: Clock, order: Order, within: float = SAME_SIGNAL_S) -> Callable[[str], None]:
