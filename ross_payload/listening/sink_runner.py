@@ -7,11 +7,12 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
+from operator import index
 from queue import Empty, Full, Queue
 from typing import Protocol
 
 from ross_payload.audio.sinks import SinkInfo, info_of
-from ross_payload.errors import PLUGIN_RAISES, RossError
+from ross_payload.errors import PLUGIN_RAISES, PluginError, RossError
 from ross_payload.interfaces import AudioSink, Clock, VoiceBlock
 from ross_payload.plugin_calls import called
 
@@ -137,8 +138,12 @@ class DirectRunner:
             self._fail(_in_words(error))
 
     def _look(self, sink: AudioSink) -> None:
-        self._info = info_of(sink)
-        self._fail(sink.fault)
+        info, fault = info_of(sink), sink.fault
+        for name, value, kind in (("info", info, SinkInfo), ("fault", fault, str)):
+            if not isinstance(value, kind):
+                raise PluginError(f"the sink's {name}: expected {kind.__name__}, got {type(value).__name__}")
+        self._info = info
+        self._fail(fault)
 
     def _fail(self, fault: str) -> None:
         """Log what changes, not what goes on."""
@@ -155,7 +160,7 @@ class DirectRunner:
 
 def _lost_by(sink: AudioSink | None) -> int:
     try:
-        return 0 if sink is None else sink.lost
+        return 0 if sink is None else index(sink.lost)
     except PLUGIN_RAISES:  # of others: it may raise anything, and what it has lost is the least of it
         return 0
 

@@ -104,6 +104,26 @@ def test_a_sink_that_cannot_be_opened_is_tried_again_and_the_log_says_so_once(si
     assert (runner.fault, runner.lost, len(sink.blocks)) == ("", 1000, 1)
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "fault"),
+    [
+        ("info", SinkInfo().__repr__, "the sink's info: expected SinkInfo, got method"),
+        ("fault", None, "the sink's fault: expected str, got NoneType"),
+        ("lost", "many", ""),
+    ],
+)
+def test_a_sink_that_tells_something_else_of_itself_is_a_fault_of_its_own_and_asks_nothing_of_others(
+    sink, name, value, fault
+):
+    setattr(sink, name, value)
+    runner = DirectRunner("stream 0", lambda: sink, FakeClock())
+    runner.write(block())
+    runner.close()
+    assert runner.fault == fault
+    assert isinstance(runner.info, SinkInfo)
+    assert isinstance(runner.lost, int)
+
+
 @pytest.mark.parametrize("error", [ZeroDivisionError("two\nlines"), SystemExit("two\nlines")])
 def test_a_sink_that_raises_is_closed_and_opened_again(sink, error):
     clock = FakeClock()
