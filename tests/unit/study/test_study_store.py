@@ -252,6 +252,13 @@ def test_an_engine_that_is_closed_leaves_nobody_behind():
     assert not multiprocessing.active_children()
 
 
+def test_processes_have_one_numeric_thread_each_and_the_environment_is_as_before(monkeypatch):
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+    before = dict(os.environ)
+    assert set(task_engine.processes(2)(os.getenv, ["OMP_NUM_THREADS"] * 5)) == {"1"}
+    assert dict(os.environ) == before
+
+
 def test_a_worker_that_dies_is_one_error_and_not_a_hang():
     with pytest.raises(OutputError, match="died"):
         list(task_engine.processes(1)(os._exit, [3]))

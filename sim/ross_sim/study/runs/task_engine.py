@@ -63,11 +63,10 @@ def processes(workers: int) -> Engine:
     """
 
     def run(function: Callable[[Any], Any], tasks: Sequence[Any]) -> Generator[Any]:
-        os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
         context = multiprocessing.get_context("spawn")
         pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_obedient)
         try:
-            with _interrupts_deferred():
+            with _interrupts_deferred(), _one_thread_each():
                 futures = [pool.submit(function, task) for task in tasks]
             for done in as_completed(futures):
                 yield done.result()
@@ -78,6 +77,19 @@ def processes(workers: int) -> Engine:
             _end(pool)
 
     return run
+
+
+@contextmanager
+def _one_thread_each() -> Generator[None]:
+    """Let the libraries of processes that are started meanwhile have one thread; the environment is as before then."""
+    before = dict(os.environ)
+    os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+    try:
+        yield
+    finally:
+        for name in set(os.environ) - set(before):
+            del os.environ[name]
+        os.environ.update(before)
 
 
 def _obedient() -> None:
