@@ -35,7 +35,7 @@ class Rank(IntEnum):
     COMPUTER = 14
     GIMBAL_ATTITUDE = 15
     GIMBAL_MANAGER = 16
-    EXTRA = 17  # a heartbeat or status that nothing new calls for, sooner than `ENOUGH` after the last one
+    EXTRA = 17  # what nothing new calls for, sooner than usual; a heartbeat or status sooner than after `ENOUGH`
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -151,12 +151,15 @@ class Stream:
         yield from ((rank, *due[place]) for rank, _, place in ranked if rank > Rank.TEXT)
 
     def _urgency(self, key: Key, item: Item, now: float) -> tuple[Rank, float]:
-        """Return what goes first, and among equals what has waited longest; news have waited for ever."""
+        """Return what goes first, and among equals what has waited longest; news have waited for ever.
+
+        What comes sooner than usual, because somebody asks for it, takes what the others leave.
+        """
         sent = self._sent.get(key)
         if sent is None or sent.news != item.news:
             return key[0], -math.inf
-        extra = key[0] <= Rank.STATUS and now < sent.last + ENOUGH - EARLY
-        return Rank.EXTRA if extra else key[0], sent.due
+        enough = ENOUGH if key[0] <= Rank.STATUS else min(self._usual.get(key[1], math.inf), REPEAT)
+        return Rank.EXTRA if now < sent.last + enough - EARLY else key[0], sent.due
 
     def _is_due(self, key: Key, item: Item, now: float) -> bool:
         sent = self._sent.get(key)

@@ -110,6 +110,17 @@ def test_heartbeats_that_somebody_asks_for_more_often_leave_the_rest_its_place()
     assert count(told(other, board, 10.0), Heartbeat) > 450, "with room for them they come as often as asked for"
 
 
+def test_what_somebody_asks_for_more_often_leaves_the_rest_its_place() -> None:
+    """Two sources fifty times a second would take 7000 of 400 bytes/s."""
+    board = full_board()
+    board.put(Rank.MIRROR, [Named(0.0, "ross_k", 1.0)])
+    usual, link = told(stream(), board, 60.0, rate=400), stream()
+    assert link.set_period(SOURCE, SHORTEST)
+    heard = told(link, board, 60.0, rate=400)
+    assert count(heard, Named) >= 0.9 * count(usual, Named) > 0
+    assert count(heard, Source) >= count(usual, Source)
+
+
 def test_heartbeats_that_somebody_asks_for_more_often_share_what_a_component_may_take() -> None:
     link = stream()
     link.limit = 100.0
