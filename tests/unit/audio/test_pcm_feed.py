@@ -51,12 +51,15 @@ class Sender:
         """Samples that wait to be taken, to the millisecond."""
         return int(re.match(r"delay (\d+) ms here", self.feed.progress(0.0).words)[1]) * RATE // 1000
 
+    @property
+    def _lost(self):
+        return int(re.search(r"lost (\d+) ms", self.feed.progress(0.0).words)[1]) * RATE // 1000
+
     def send(self, n):
-        before = self.waiting
+        before = self.waiting + self._lost
         self._line.sendall(encode(VOICE[self.sent : self.sent + n, None], "f32le"))
         self.sent += n
-        most = round(FARTHEST_S * RATE)
-        wait_for(lambda: self.waiting >= min(before + n, most) - RATE // 1000)
+        wait_for(lambda: self.waiting + self._lost >= before + n - RATE // 500)
 
     def take(self, n):
         """Take so many samples as a sound output does; return them."""
