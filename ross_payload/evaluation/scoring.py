@@ -15,8 +15,8 @@ from ross_payload.dsp.noise import quiet_psd
 from ross_payload.dsp.steering import tdoa
 from ross_payload.dsp.stft import Stft, separation_frame, short_frames
 from ross_payload.errors import AudioError, ConfigError
-from ross_payload.evaluation.takes import Pair
-from ross_payload.interfaces import Real, Scene
+from ross_payload.evaluation.takes import Pair, Take
+from ross_payload.interfaces import Observation, Real, Scene
 from ross_payload.localization import markov_explorer
 from ross_payload.localization.front_back_test import refined
 from ross_payload.plugin_checks import load_separator
@@ -24,6 +24,7 @@ from ross_payload.plugin_checks import load_separator
 MOST_DEG = 360  # of an angle on the command line, as of one in an order
 PROMINENCE = 0.005  # of a peak that is a group, over the highest
 ELSEWHERE = 0.35  # of d / v_p between the delay of the target alone and all that were given: reflections move it less
+FAINT = 1 / 3  # of its highest density, below which a target alone is not near a direction: fans have peaks, too
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,7 +101,7 @@ def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None
         stft.frequencies, config.array.spacing_m, config.array.speed_of_sound_m_s, tau.size, tau, seed=config.seed
     )
     spectrogram = stft.analyse(pair.mixture.samples.astype(np.float32))
-    scene = replace(scene, noise_psd=noise_of(pair, config, stft), hop=stft.hop)
+    scene = replace(scene, noise_psd=noise_of(pair.mixture, config, stft), hop=stft.hop)
     groups = separator.batch(spectrogram, scene)
     voices = stft.synthesise(groups.signals, n)
     found = tuple(_scored(m, voice, pair) for m, voice in zip(groups.members, voices, strict=True))
@@ -112,32 +113,39 @@ def evaluate(pair: Pair, config: Config, tau: Real | None, n_sources: int | None
 
 def heard_delays(pair: Pair, config: Config, n_sources: int | None) -> Real:
     """TDOAs [s] of the peaks of the mixture's ITD density, the highest first: one per group of sources, (n_groups,)."""
-    noise_psd = noise_of(pair, config, short_frames(config.audio.rate_hz))
-    return _peaks(pair.mixture.samples, config, noise_psd)[:n_sources]
+    return _peaks(_heard(pair.mixture, config), config)[:n_sources]
 
 
-def _peaks(samples: Real, config: Config, noise_psd: Real | None) -> Real:
-    """TDOAs [s] of the peaks of the ITD density of samples (2, n), the highest first, (n_peaks,)."""
+def _heard(take: Take, config: Config) -> Observation:
+    """ITD density of a take."""
     array = config.array
     stft = short_frames(config.audio.rate_hz)
     explorer = markov_explorer.explorer.make(array.spacing_m, array.speed_of_sound_m_s)
-    seen = explorer.observe(stft.analyse(samples), stft.frequencies, 0.0, noise_psd)
+    return explorer.observe(stft.analyse(take.samples), stft.frequencies, 0.0, noise_of(take, config, stft))
+
+
+def _peaks(seen: Observation, config: Config) -> Real:
+    """TDOAs [s] of the peaks of a density, the highest first, (n_peaks,)."""
     peaks = prominent_peaks(seen.density, seen.grid, PROMINENCE)
-    longest = array.spacing_m / array.speed_of_sound_m_s
+    longest = config.array.spacing_m / config.array.speed_of_sound_m_s
     return np.clip([refined(seen.density, seen.grid, peak) for peak in peaks], -longest, longest)
 
 
 def _elsewhere(pair: Pair, config: Config, tau: Real) -> float | None:
-    """Delay [s] at which the target alone is heard, when that of no source that was given is near it."""
-    heard = _peaks(pair.alone.samples, config, None)[:1]
-    unit = config.array.spacing_m / config.array.speed_of_sound_m_s
-    return float(heard[0]) if heard.size and np.abs(tau - heard[0]).min() > ELSEWHERE * unit else None
+    """Delay [s] at which the target alone is heard, when it is hardly heard near that of any source that was given."""
+    seen = _heard(pair.alone, config)
+    heard = _peaks(seen, config)[:1]
+    near = ELSEWHERE * config.array.spacing_m / config.array.speed_of_sound_m_s
+    if not heard.size or np.abs(tau - heard[0]).min() <= near:
+        return None
+    around = np.abs(seen.grid[:, None] - tau).min(axis=1) <= near
+    return float(heard[0]) if seen.density[around].max(initial=0.0) < FAINT * seen.density.max() else None
 
 
-def noise_of(pair: Pair, config: Config, stft: Stft) -> Real | None:
-    """Noise PSD per bin, (n_freqs,), when nobody talks at the start of the mixture, else None."""
+def noise_of(take: Take, config: Config, stft: Stft) -> Real | None:
+    """Noise PSD per bin, (n_freqs,), when nobody talks at the start of a take, else None."""
     start = round(config.explore.lead_in_s * stft.rate)
-    samples = pair.mixture.samples
+    samples = take.samples
     if not stft.frame <= start < samples.shape[1]:
         return None
     return quiet_psd(stft.analyse(samples[:, :start]), stft.analyse(samples[:, start:]))
