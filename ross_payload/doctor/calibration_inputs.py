@@ -15,7 +15,7 @@ from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.bounded_files import read_bounded
 from ross_payload.calibration.cross_spectrum import HeadingSpectrum, heading_spectrum
 from ross_payload.config import Config
-from ross_payload.errors import ConfigError, refused_as
+from ross_payload.errors import ConfigError, refused_as, shown
 from ross_payload.interfaces import Attitude, Input, Samples
 from ross_payload.sessions.session_reader import RecordedSession
 
@@ -94,18 +94,22 @@ def _table(path: Path) -> Iterator[tuple[int, float, float, float]]:
     with refused_as(ConfigError, f"{path}: cannot be read"):
         data = read_bounded(path)
     try:
-        reader = csv.DictReader(data.decode("utf-8-sig").splitlines(), skipinitialspace=True)
-        reader.fieldnames = names = [name.strip() for name in reader.fieldnames or ()]
-        lines = [(reader.line_num, line) for line in reader]
+        reader = csv.reader(data.decode("utf-8-sig").splitlines(), skipinitialspace=True)
+        lines = [(reader.line_num, [cell.strip() for cell in line]) for line in reader]
     except (UnicodeDecodeError, csv.Error) as error:
         raise ConfigError(f"{path}: expected CSV in UTF-8, got something else") from error
+    lines = [(number, line) for number, line in lines if any(line)]
+    names = lines[0][1] if lines else []
     wanted = ", ".join(COLUMNS)
-    there = "" if set(COLUMNS) <= set(names) else f", got the columns {', '.join(names)}"
-    for number, line in lines:
+    there = "" if set(COLUMNS) <= set(names) else f", got the columns {shown(', '.join(names))}"
+    for number, line in lines[1:]:
+        cells = dict(zip(names, line, strict=False))
         try:
-            values = [float(line[name]) for name in COLUMNS]
-        except (KeyError, TypeError, ValueError) as error:
+            values = [float(cells[name]) for name in COLUMNS]
+        except (KeyError, ValueError) as error:
             raise ConfigError(f"{path}: line {number}: expected numbers in the columns {wanted}{there}") from error
+        if any(line[len(names) :]):  # as with decimal commas
+            raise ConfigError(f"{path}: line {number}: expected {len(names)} columns, got {len(line)}")
         if not all(map(math.isfinite, values)):
             raise ConfigError(f"{path}: line {number}: expected finite numbers, got {values}")
         yield number, values[0], values[1], values[2]

@@ -54,7 +54,7 @@ def test_it_says_what_differs_and_writes_nothing_unasked(files, monkeypatch, cap
 
 def test_a_table_written_by_hand_may_have_spaces_and_blank_lines(files, monkeypatch, capsys):
     table = files[2]
-    table.write_text(table.read_text().replace(",", " , ").replace("\n", "\n\n"))
+    table.write_text("\n \n" + table.read_text().replace(",", " , ").replace("\n", "\n\n") + ",,\n")
     code, out, err = called(monkeypatch, capsys, *offline(files))
     assert (code, err) == (0, "")
     assert "64.0" in out
@@ -65,10 +65,11 @@ def test_a_table_written_by_hand_may_have_spaces_and_blank_lines(files, monkeypa
     [
         (
             "from;to;joint\n",
-            "expected numbers in the columns from_s, to_s, joint_deg, got the columns from;to;joint",
+            "expected numbers in the columns from_s, to_s, joint_deg, got the columns 'from;to;joint'",
         ),
         ("from_s,to_s,joint_deg\n\n0,1,north\n", "turn.csv: line 3: expected numbers"),
         ("from_s,to_s,joint_deg\n0.1,2.5,7\n", "expected one angle at a time, got 0 and 7"),
+        ("from_s,to_s,joint_deg\n0,2,1,7\n", "turn.csv: line 2: expected 3 columns, got 4"),
     ],
 )
 def test_a_table_that_cannot_be_meant_is_one_line_with_its_place(files, monkeypatch, capsys, head, words):
