@@ -308,7 +308,6 @@ def test_ctrl_c_in_the_middle_of_a_move_decelerates_and_closes_the_files(short, 
 WRITING = """
 import sys, time
 from ross_payload import cli
-from ross_sim.devices.ideal import IdealActuator
 from ross_sim.sitl import mission_session
 write = mission_session._write
 def slowly(*those):
