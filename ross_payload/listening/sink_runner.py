@@ -6,7 +6,9 @@ import logging
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import fields
 from functools import partial
+from numbers import Integral, Real
 from operator import index
 from queue import Empty, Full, Queue
 from typing import Protocol
@@ -20,6 +22,10 @@ RETRY_S = 2.0  # between two attempts to open a sink
 BLOCKS = 128  # that wait for a sink which hangs: about 2 s
 LAST_CALL_S = 2.0  # that a sink may take at the end
 LOOK_S = 0.5  # between two looks at whether a sink that gets nothing has ended
+KINDS: dict[str, type | tuple[type, ...]] = {  # by the annotation
+    "SinkInfo": SinkInfo, "str": str, "int": Integral, "int | None": (Integral, type(None)), "float": Real,
+}  # fmt: skip
+FIELDS = tuple((each.name, str(each.type)) for each in fields(SinkInfo))
 
 log = logging.getLogger(__name__)
 Make = Callable[[], AudioSink]
@@ -139,9 +145,10 @@ class DirectRunner:
 
     def _look(self, sink: AudioSink) -> None:
         info, fault = info_of(sink), sink.fault
-        for name, value, kind in (("info", info, SinkInfo), ("fault", fault, str)):
-            if not isinstance(value, kind):
-                raise PluginError(f"the sink's {name}: expected {kind.__name__}, got {type(value).__name__}")
+        _expect("info", info, "SinkInfo")
+        for name, kind in FIELDS:
+            _expect(f"info.{name}", getattr(info, name), kind)
+        _expect("fault", fault, "str")
         self._info = info
         self._fail(fault)
 
@@ -156,6 +163,11 @@ class DirectRunner:
             log.warning("%s: works again after %.1f s; %d samples are missing", self._name, now - since, lost - count)
         if not fault:
             self._well = (now, lost)
+
+
+def _expect(name: str, value: object, kind: str) -> None:
+    if not isinstance(value, KINDS[kind]):
+        raise PluginError(f"the sink's {name}: expected {kind}, got {type(value).__name__}")
 
 
 def _lost_by(sink: AudioSink | None) -> int:

@@ -108,6 +108,11 @@ def test_a_sink_that_cannot_be_opened_is_tried_again_and_the_log_says_so_once(si
     ("name", "value", "fault"),
     [
         ("info", SinkInfo().__repr__, "the sink's info: expected SinkInfo, got method"),
+        ("info", SinkInfo(codec=None), "the sink's info.codec: expected str, got NoneType"),
+        ("info", SinkInfo(rate=48_000.0), "the sink's info.rate: expected int, got float"),
+        ("info", SinkInfo(unheard_s=None), "the sink's info.unheard_s: expected float, got NoneType"),
+        ("info", SinkInfo(packets_lost="3"), "the sink's info.packets_lost: expected int | None, got str"),
+        ("info", SinkInfo(rate=np.int32(48_000), unheard_s=1, packets_lost=3), ""),
         ("fault", None, "the sink's fault: expected str, got NoneType"),
         ("lost", "many", ""),
     ],
