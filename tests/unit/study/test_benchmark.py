@@ -454,10 +454,11 @@ def test_recordings_that_make_no_scene_are_refused_in_one_line(lists, tmp_path):
         ("a", np.ones(240_000), 24_000, "expected one channel at 16000 Hz, got 1 at 24000 Hz"),
         ("a", np.ones((160_000, 2)), RATE, "expected one channel at 16000 Hz, got 2 at 16000 Hz"),
         ("a", np.zeros(160_000), RATE, "expected a voice, got silence"),
-        ("a", np.ones(159_999), RATE, "expected recordings of at least 10 s, got none"),
+        ("a", np.ones(159_999), RATE, "expected recordings of at least 10 s, *.flac or *.wav, all in this folder or"),
+        ("a", np.arange(160_000) / 160_000, RATE, "expected at least 3 recordings, got 1"),
         ("a b", np.arange(160_000) / 160_000, RATE, "expected a name without spaces"),
     ],
-    ids=["rate", "stereo", "silent", "short", "spaces"],
+    ids=["rate", "stereo", "silent", "short", "few", "spaces"],
 )
 def test_a_recording_that_cannot_be_described_is_named_in_one_line(tmp_path, name, samples, rate, words):
     (tmp_path / "speech").mkdir()

@@ -118,7 +118,11 @@ def one_of_each_reader(folder: Path, shortest: int, **of_the_corpus: str) -> lis
             raise ConfigError(f"{path}: expected a voice, got silence")
         lines[line.reader] = line
     if not lines:
-        raise ConfigError(f"{folder}: expected recordings of at least {shortest / RATE:g} s, got none")
+        kinds = " or ".join(f"*{suffix}" for suffix in SUFFIXES)
+        raise ConfigError(
+            f"{folder}: expected recordings of at least {shortest / RATE:g} s, {kinds}, "
+            "all in this folder or in READER/CHAPTER, got none"
+        )
     return list(lines.values())
 
 

@@ -199,8 +199,7 @@ def write_list(folder: Path, rooms: Sequence[RoomLine] = ROOMS, seed: int = SEED
             raise ConfigError(
                 f"{path}: {recording.utterance}: expected at least {SHORTEST} samples, got {recording.samples}"
             )
-    if len(recordings) < min(COUNTS):
-        raise ConfigError(f"{path}: expected at least {min(COUNTS)} recordings, got {len(recordings)}")
+    _expect_enough(path, recordings)
     with refused_as(ConfigError, f"{folder}: cannot be written"):
         write_whole(folder / FILES[0], as_csv(rooms, RoomLine))
         write_whole(folder / FILES[1], as_csv(drawn(recordings, rooms, seed), Layout))
@@ -219,9 +218,15 @@ def describe(folder: Path, speech: Path, corpus: str, licence: str) -> None:
     if path.exists():
         raise ConfigError(f"{path}: is there already; remove it, or leave out --describe")
     recordings = one_of_each_reader(speech, SHORTEST, **of_the_corpus)
+    _expect_enough(speech, recordings)
     with refused_as(ConfigError, f"{folder}: cannot be written"):
         folder.mkdir(parents=True, exist_ok=True)
         write_whole(path, as_csv(recordings, Recording))
+
+
+def _expect_enough(path: Path, recordings: Sequence[Recording]) -> None:
+    if len(recordings) < min(COUNTS):
+        raise ConfigError(f"{path}: expected at least {min(COUNTS)} recordings, got {len(recordings)}")
 
 
 @click.command(help=__doc__)
