@@ -33,5 +33,5 @@ def needed(requirement, seen):
 def test_everything_that_is_installed_is_named():
     page = canonical((ROOT / "docs" / "reference" / "licences.md").read_text(encoding="utf-8"))
     packages = {name for name, _ in needed("ross-payload[all]", set())} - {"ross-payload"}
-    assert len(packages) > 40
+    assert {"numpy", "pycparser"} <= packages  # and what the extras bring, where those are installed
     assert [name for name in sorted(packages) if not re.search(rf"(?<![\w-]){name}(?![\w-])", page)] == []
