@@ -52,7 +52,8 @@ def quiet_psd(lead_in: Complex, later: Complex) -> Real | None:
     power = np.abs(lead_in[:, :, quiet]) ** 2
     psd = np.asarray(power.mean(axis=(0, 2)), float)
     loudest = np.argsort(psd)[-max(1, psd.size // LOUDEST) :]
-    excess = _decibel(psd[loudest]) - _decibel(guessed_psd(later[:, loudest]))
+    heard = later[:, loudest][:, :, loud > 0]  # a gap in a recording is no pause of talkers
+    excess = _decibel(psd[loudest]) - _decibel(guessed_psd(heard))
     if np.median(flatness(power[:, loudest])) > VARYING and np.median(excess) > EXCESS:
         return None
     return psd

@@ -52,6 +52,12 @@ def test_many_voices_that_never_pause_are_noise() -> None:
     assert quiet_psd(_crowd(N_FRAMES, 0), _crowd(N_FRAMES, 1) + 10 * _talk(N_FRAMES, 2)) is not None
 
 
+def test_many_voices_that_never_pause_are_noise_where_sound_is_missing_later() -> None:
+    later = _crowd(N_FRAMES, 1) + 10 * _talk(N_FRAMES, 2)
+    later[:, :, 50:90] = 0
+    assert quiet_psd(_crowd(N_FRAMES, 0), later) is not None
+
+
 def test_a_motor_that_runs_slower_later_was_noise() -> None:
     later = _talk(N_FRAMES, 1)
     later[:, :, 50:90] = 0.1 * _noise(40, 2)
