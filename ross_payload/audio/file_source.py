@@ -37,6 +37,7 @@ class FileSource:
         self._path = path
         self._rate = rate
         self._wiring = wiring
+        self._correction = wiring.correction(rate)
         self._clock = clock
         self._file: soundfile.SoundFile | None = None
         self._began = math.nan  # [s]
@@ -65,7 +66,7 @@ class FileSource:
             raise AudioError(f"{self._path}: broken after {self._index / self._rate:.2f} s") from error
         if len(frames) < n:
             raise AudioEnded(f"{self._path}: end of file after {self._index / self._rate:.2f} s")
-        wired = self._wiring.apply(np.ascontiguousarray(frames[:, list(self._wiring.channels)].T))
+        wired = self._correction.apply(np.ascontiguousarray(frames[:, list(self._wiring.channels)].T))
         index, self._index = self._index, self._index + n
         self._clock.sleep(max(self._began + self._index / self._rate - self._clock.now(), 0.0))
         return AudioBlock(wired.samples, index, self._began + index / self._rate, flags=wired.flags, raw=wired.raw)

@@ -79,7 +79,8 @@ class LiveSource:
         start: Callable[[Callable[[], None]], Worker] = in_thread,
     ) -> None:
         self._rate = rate
-        self._channels = wiring
+        self._channels = wiring.channels
+        self._correction = wiring.correction(rate)
         self._clock = clock
         self._ring = Ring(round(buffer * rate))
         self._gap_filler = GapFiller(rate, settling)
@@ -114,7 +115,7 @@ class LiveSource:
             if short > 0:
                 self._clock.sleep(min(max(short / self._rate, SHORTEST_NAP), LONGEST_NAP))
         stretch = self._gap_filler.read(n)
-        wired = self._channels.apply(stretch.samples)
+        wired = self._correction.apply(stretch.samples)
         flags = wired.flags | (AudioFlag.MISSING if stretch.missing or stretch.spliced else AudioFlag.NONE)
         index, self._index = self._index, self._index + n
         return AudioBlock(wired.samples, index, stretch.time, flags=flags, raw=wired.raw)
@@ -175,4 +176,4 @@ class LiveSource:
         return self._gap_filler.available
 
     def _on_samples(self, frames: Real) -> None:
-        self._ring.write(frames, self._channels.channels, self._clock.now())
+        self._ring.write(frames, self._channels, self._clock.now())

@@ -11,6 +11,7 @@ from ross_payload.config.table import Degrees, Positive, Table
 
 Channel = Annotated[int, Field(ge=0, le=63)]
 Decibels = Annotated[float, Field(ge=-60, le=60)]
+Corner = Annotated[float, Field(ge=0, le=300)]  # of a microphone's low-frequency roll-off [Hz]
 Metres = Annotated[float, Field(ge=-10, le=10, allow_inf_nan=False)]
 
 Age = Annotated[float, Field(gt=0, le=60)]  # at which a report is too old [s]; more are milliseconds, most likely
@@ -52,6 +53,7 @@ class Audio(Table):
     )
     gain_db: tuple[Decibels, Decibels] = (0.0, 0.0)  # gain of microphones 1 and 2 [dB]
     invert: tuple[bool, bool] = (False, False)  # invert the polarity of microphones 1 and 2
+    roll_off_hz: tuple[Corner, Corner] = (0.0, 0.0)  # low-frequency roll-off of microphones 1 and 2 [Hz]
     latency_ms: Annotated[float, Field(gt=0, le=1000)] = 50.0  # latency requested from the sound card [ms]
     buffer_s: Annotated[float, Field(ge=1, le=600)] = 60.0  # audio that is buffered while a separation computes [s]
     rate_hz: Annotated[int, Field(ge=16000, le=48000)] = 16000  # of both microphones [Hz]

@@ -27,8 +27,8 @@ COLUMNS = ("from_s", "to_s", "joint_deg")
 def from_session(config: Config, path: Path) -> tuple[list[HeadingSpectrum], bool]:
     """Return what was heard at every heading at rest of a session, and whether in the earth frame.
 
-    Of two frames the one with more headings is used. Gain, polarity and heading offset are those of ``config``,
-    whatever they were when it was recorded.
+    Of two frames the one with more headings is used. Gain, polarity, roll-off and heading offset are those of
+    ``config``, whatever they were when it was recorded.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def from_wav(config: Config, path: Path, table: Path, base: Attitude) -> list[He
                     f"{table}: line {number}: expected one angle at a time, got {joint:g} and {other[2]:g}"
                 )
         stretches.append((begin, end, joint))
-        part = wiring.apply(both[:, round(begin * rate) : round(end * rate)]).samples
+        part = wiring.correction(rate).apply(both[:, round(begin * rate) : round(end * rate)]).samples
         found = heading_spectrum(part, rate, base.yaw + math.radians(joint) + config.offset)
         if found is not None:
             heard.append(found)

@@ -39,7 +39,7 @@ axis, as long as all do. Exit codes: 0 done, 2 bad input, 1 the results could no
     "--config",
     "file",
     type=click.Path(path_type=Path),
-    help="The payload's TOML file: array, gain, polarity, rate, frames.",
+    help="The payload's TOML file: array, gain, polarity, roll-off, rate, frames.",
 )
 @click.option("--out", type=click.Path(path_type=Path), help="Folder for the separated voices and report.json.")
 @click.option("--json", "as_json", is_flag=True, help="Print only the report, as JSON.")
@@ -79,8 +79,8 @@ def command(
         chosen = config.exploit.model_copy(update={"separator": separator})
         config = config.model_copy(update={"exploit": chosen})
     tau = delays(config, azimuths, heading, tdoas, sources)
-    factors = ChannelMap.of(config.audio).factors
-    both = read_take(mixture, factors), read_take(target, factors)
+    wiring = ChannelMap.of(config.audio)
+    both = read_take(mixture, wiring), read_take(target, wiring)
     config = at_rate(config, both[0].rate if file is None else config.audio.rate_hz)
     with prepared(out) if out is not None else nullcontext():
         with threadpool_limits(1):

@@ -11,6 +11,7 @@ import scipy.fft
 from scipy.signal import resample_poly
 
 from ross_payload.audio.audio_files import read_audio
+from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.dsp.dc_offset import without_offset
 from ross_payload.errors import AudioError
 from ross_payload.interfaces import Real
@@ -24,6 +25,7 @@ ABSENT = 0.1  # correlation of two takes below which they have no talker in comm
 WHOLE = 0.1  # a delay this near to a whole number of samples is one
 REACH = 16  # samples of the correlation on either side that tell its fractional peak
 FINE = 0.01  # resolution of that peak [samples]
+UNCORRECTED = ChannelMap((0, 1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,8 +62,8 @@ class Pair:
     notes: tuple[str, ...]  # what was done to the files, in words
 
 
-def read_take(path: Path, factors: tuple[float, float] = (1.0, 1.0)) -> Take:
-    """Read a recording of two microphones, of which ``factors`` are gain and polarity; no constant offset is left.
+def read_take(path: Path, wiring: ChannelMap = UNCORRECTED) -> Take:
+    """Read a recording of two microphones, corrected as ``wiring`` says; no constant offset is left.
 
     Raises
     ------
@@ -71,7 +73,8 @@ def read_take(path: Path, factors: tuple[float, float] = (1.0, 1.0)) -> Take:
     """
     samples, rate = read_audio(path)
     _check(path, samples.T, rate)
-    return Take(without_offset(samples.T) * np.array(factors)[:, None], rate, max(map(clipped_share, samples.T)))
+    corrected = wiring.correction(rate).of(without_offset(samples.T).astype(float))
+    return Take(corrected, rate, max(map(clipped_share, samples.T)))
 
 
 def _check(path: Path, samples: Real, rate: int) -> None:

@@ -74,7 +74,7 @@ def _played(
     same = not config_changes.matters(differing)
     model = partial(ModelFolder.default().in_use, config.voice_print.model)
     who = target_voice(session, VoiceStore.default(), lambda: told.inputs, same=same, model=model)
-    wiring_differs = any(key.startswith(("audio.gain_db", "audio.invert")) for key in differing)
+    wiring_differs = any(key.startswith(("audio.gain_db", "audio.invert", "audio.roll_off_hz")) for key in differing)
     with computing():
         inputs = session.inputs(config.audio, wire_everywhere=wiring_differs)
         replay(mission_of(session, recorded, config, who.voiceprint), inputs, course, rate, told)

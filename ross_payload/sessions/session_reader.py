@@ -89,22 +89,23 @@ class RecordedSession:
     def inputs(self, audio: Audio, *, wire_everywhere: bool = False) -> Iterator[Input]:
         """Read the Inputs up to the first that is damaged or has no samples.
 
-        Gain and polarity of ``audio`` are applied to what the source applied them to when it was recorded, and to
-        everything with ``wire_everywhere``.
+        Gain, polarity and roll-off of ``audio`` are corrected in what the source corrected when it was recorded, and
+        in everything with ``wire_everywhere``.
 
         Raises
         ------
         ConfigError
             When there is no audio, or an order is unknown to this program.
         """
-        wav, wiring, start = self._audio(), ChannelMap.of(audio), 0
+        wav, start = self._audio(), 0
+        correction = ChannelMap.of(audio).correction(wav.rate)
         for values in input_log.completed(self.lines(), wav.rate):
             raw = wav.read(start, values["n"])
             start += values["n"]
             if raw.shape[1] < values["n"]:
                 return
             wired = wire_everywhere or bool(values.get("raw"))
-            yield input_log.input_of(values, wiring.apply(raw).samples if wired else raw, raw if wired else None)
+            yield input_log.input_of(values, correction.apply(raw).samples if wired else raw, raw if wired else None)
 
     def lines(self) -> Iterator[dict[str, Any]]:
         """Read the Inputs as they stand, without samples, up to the first that is damaged."""

@@ -8,6 +8,7 @@ from typing import Annotated
 from pydantic import Field
 
 from ross_payload.config import Array, Degrees, Table
+from ross_payload.config.hardware_options import Corner
 from ross_sim.noise_tables import Decibels
 
 
@@ -18,6 +19,7 @@ class Microphones(Table):
     offset_deg: Degrees | None = None  # as offset_deg of [array]
     gain_db: tuple[Decibels, Decibels] = (0.0, 0.0)  # of microphones 1 and 2, before the payload's own
     invert: tuple[bool, bool] = (False, False)  # their polarity
+    roll_off_hz: tuple[Corner, Corner] = (0.0, 0.0)  # where they are 3 dB down at low frequencies [Hz]
     swapped: bool = False  # their cables
 
     def spacing(self, configured: Array) -> float:

@@ -3,6 +3,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.signal import butter, lfilter
 
 from ross_payload.config import validated
 from ross_payload.errors import AudioError, ConfigError
@@ -34,11 +35,14 @@ class Turntable:
         return []
 
 
-def scenario(*azimuths_deg, rate=RATE, noise=None, room=None, offset_deg=0.0, vehicle=None, **changes):
+def scenario(
+    *azimuths_deg, rate=RATE, noise=None, room=None, offset_deg=0.0, vehicle=None, corners=None, told=(0, 0), **changes
+):
     talkers = [{"azimuth_deg": azimuth, "start_s": 0.5} | changes for azimuth in azimuths_deg]
-    payload = {"audio": {"rate_hz": rate}, "array": {"offset_deg": offset_deg}}
+    payload = {"audio": {"rate_hz": rate, "roll_off_hz": told}, "array": {"offset_deg": offset_deg}}
     values = {"title": "test", "talkers": talkers, "noise": noise or {}, "room": room or {}, "payload": payload}
     values |= {} if vehicle is None else {"vehicle": vehicle}
+    values |= {} if corners is None else {"microphones": {"roll_off_hz": corners}}
     return validated(Scenario, values, "test")
 
 
@@ -70,6 +74,33 @@ def test_images_and_noise_add_up_to_the_mixture_to_the_last_bit(make):
     total = world.images().astype(float).sum(axis=0) + world.noise()[0]
     assert np.array_equal(total, heard[0])
     assert np.array_equal(world.mixture(), heard)
+
+
+@pytest.mark.parametrize("hop", [160, 333])
+def test_microphones_that_roll_off_shift_the_phase_while_the_array_rests_and_turns(make, hop):
+    plain, _ = listen(make(scenario(40, 155), Turntable(0.5, 1.07, 2.03)), 3)
+    world = make(scenario(40, 155, corners=(30, 90)), Turntable(0.5, 1.07, 2.03))
+    heard = listen(world, 3, hop)[0][:, : plain.shape[1]]
+    for corner, flat, real in zip((30, 90), plain, heard, strict=True):
+        assert real == pytest.approx(lfilter(*butter(1, corner, "highpass", fs=RATE), flat), abs=1e-6)
+    total = world.images().astype(float).sum(axis=0) + world.noise()[0]
+    assert np.array_equal(total[: heard.shape[1]], heard[0])
+
+
+@pytest.mark.parametrize(("corners", "told"), [((20, 60), (0, 40)), ((60, 20), (40, 0))])
+def test_each_talker_alone_is_what_the_payload_makes_of_him(make, corners, told):
+    world = make(scenario(40, corners=corners, told=told, noise={"snr_db": 80}))
+    heard, _ = listen(world, 2)
+    assert np.abs(world.images()[0] - heard[0]).max() < 1e-4
+    plain, _ = listen(make(scenario(40, noise={"snr_db": 80})), 2)
+    turned = np.rad2deg(np.angle(_between(heard) / _between(plain)))
+    assert np.abs(np.median(turned)) < 0.3
+
+
+def _between(both):
+    """Microphone 2 over microphone 1 from 150 Hz to 1 kHz."""
+    first, second = np.fft.rfft(both)[:, 300:2000]
+    return second / first
 
 
 def test_a_world_that_is_rendered_apart_from_its_time_sounds_the_same(make, tmp_path):

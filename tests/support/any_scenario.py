@@ -13,7 +13,7 @@ KINDS = ("tb6600", "grbl", "mavlink_gimbal", "dronecan_servo", "canopen_drive", 
 SEPARATORS = ("auto", "refined", "gaussian", "duet", "auxiva", "iva", "mvdr", "lcmv", "paper")
 MICROPHONES = (
     {"gain_db": [6, -6]}, {"invert": [True, False]}, {"swapped": True}, {"spacing_m": 0.06}, {"offset_deg": 20},
-    {"gain_db": [-100, 0]}, {"gain_db": [60, 60]},
+    {"gain_db": [-100, 0]}, {"gain_db": [60, 60]}, {"roll_off_hz": [20, 60]},
 )  # fmt: skip
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ross_payload.dsp.roll_off import RollOffMatch
 from ross_payload.errors import AudioError, ConfigError
 from ross_payload.interfaces import Real, Samples
 from ross_sim.acoustics.render import HeadingSignals, Microphones, MotorNoise
@@ -22,7 +23,7 @@ from ross_sim.devices.far_end import FarEnd, Fault
 from ross_sim.scenario import Scenario
 from ross_sim.sitl.noise_heard import noise_heard
 from ross_sim.sitl.talkers_heard import LEVEL, talkers_heard
-from ross_sim.sitl.world_microphones import FULL_SCALE, WorldMicrophones, hardware_of, wiring_of
+from ross_sim.sitl.world_microphones import FULL_SCALE, RollOffs, WorldMicrophones, hardware_of, wiring_of
 from ross_sim.talkers.speech import TalkerVoice
 
 Counts = NDArray[np.int32]
@@ -72,7 +73,7 @@ class World:
     Every part (one image per talker, the noise) is rounded to the 24-bit grid on its own, so that the parts add up to
     the mixture to the last bit unless it clips. Sensor noise is white, independent at each microphone, and drawn
     quantum by quantum, so that it does not depend on how the audio is read. While nothing turns some quanta are
-    rendered at once; what was rendered too far ahead is forgotten.
+    rendered at once, unless the microphones roll off; what was rendered too far ahead is forgotten.
 
     Parameters
     ----------
@@ -114,7 +115,8 @@ class World:
         self.clock = clock
         self._wait = wait
         self.rate = scenario.payload.audio.rate_hz
-        self.source = WorldMicrophones(self, None if scenario.microphones is None else wiring_of(scenario))
+        self._wiring = None if scenario.microphones is None else wiring_of(scenario)
+        self.source = WorldMicrophones(self, self._wiring)
         self._far_end = far_end
         self._offset = scenario.offset
         self._angle = far_end.angle()
@@ -131,6 +133,8 @@ class World:
         self._spacing = scenario.spacing
         self._turns_heard = scenario.room.turns_heard
         self._hardware = hardware_of(scenario)
+        self._talkers_roll_off = RollOffs(self._hardware.roll_offs, self.rate)
+        self._noise_roll_off = RollOffs(self._hardware.roll_offs, self.rate)
         self._microphones: Microphones | None = None
         self._around: list[Microphones] = []  # what they hear of noise sources in the room
         self._aboard: list[Microphones] = []  # and on the vehicle
@@ -202,8 +206,15 @@ class World:
         return Rendered(_samples(images), self._hardware.recorded(_mixture(kept, noises)), headings)
 
     def images(self) -> Samples:
-        """Every talker alone at microphone 1, noise-free, for all that was rendered so far, (n_talkers, n)."""
-        return _joined([image[0] for image in self._images], len(self.azimuths))
+        """Every talker alone at microphone 1, noise-free, for all that was rendered so far, (n_talkers, n).
+
+        The roll-off is that to which the payload corrects it, since it shifts the phase.
+        """
+        alone = _joined([image[0] for image in self._images], len(self.azimuths))
+        if self._wiring is None or not any(self._wiring.roll_offs):
+            return alone
+        both = [RollOffMatch(self._wiring.roll_offs, self.rate)(np.stack([each, each])) for each in alone]
+        return np.stack([first for first, _ in both])
 
     def noise(self) -> Samples:
         """All noise, of sensors, motor and noise sources, (2, n)."""
@@ -227,7 +238,7 @@ class World:
         microphones = self._microphones
         if microphones is None:
             raise AudioError("the simulated microphones are not open")
-        if not self._rests(microphones, quantum):
+        if self._talkers_roll_off or not self._rests(microphones, quantum):
             self._ahead = deque(self._sounds(microphones, quantum, 1))
         elif not self._ahead:
             self._ahead = deque(self._sounds(microphones, quantum, AHEAD - self._rendered % AHEAD))
@@ -254,7 +265,7 @@ class World:
         """Sound of the next quantum, and of those after it if nothing turns."""
         ends = [(self._rendered + index) * self.rate // round(1 / QUANTUM) for index in range(n_quanta + 1)]
         first, last = ends[0], ends[-1]
-        images = _counts(microphones.render(first, last, *quantum.headings))
+        images = _counts(self._talkers_roll_off(microphones.render(first, last, *quantum.headings)))
         for low, high in itertools.pairwise(ends[len(self._drawn) :]):
             self._drawn.append(self._sensor.standard_normal((2, high - low), dtype=np.float32))
         noise = np.concatenate([self._drawn[index] for index in range(n_quanta)], axis=1)
@@ -265,7 +276,7 @@ class World:
         for beside in self._aboard:
             noise += beside.render(first, last, *self._aboard_headings(quantum)).sum(axis=1)
         noise += self._beside.at_microphones(first, last)
-        counts = _counts(noise)
+        counts = _counts(self._noise_roll_off(noise))
         heard = self._hardware.recorded(_samples(_converted(images.sum(axis=1, dtype=np.int32) + counts)))
         every = Sounds(images, counts, heard)
         return [every.between(low - first, high - first) for low, high in itertools.pairwise(ends)]

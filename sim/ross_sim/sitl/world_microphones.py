@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Protocol, Self
 
 import numpy as np
+from scipy.signal import butter, lfilter
 
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.errors import AudioError
-from ross_payload.interfaces import AudioBlock, AudioFlag, Samples
+from ross_payload.interfaces import AudioBlock, AudioFlag, Real, Samples
 from ross_sim.scenario import Scenario
 
 FULL_SCALE = 2**23  # of a 24-bit converter [counts]
@@ -38,10 +39,11 @@ class Hardware:
 
     factors: tuple[float, float] = (1.0, 1.0)  # gain and polarity of microphones 1 and 2
     swapped: bool = False  # cables
+    roll_offs: tuple[float, float] = (0.0, 0.0)  # of microphones 1 and 2 at low frequencies [Hz]
 
     def recorded(self, samples: Samples) -> Samples:
         """Return what two channels carry, (2, n), rounded and clipped by the converter."""
-        if self == IDEAL:
+        if replace(self, roll_offs=IDEAL.roll_offs) == IDEAL:
             return samples
         counts = np.rint(samples * np.array(self.factors)[:, None] * FULL_SCALE)
         heard = np.clip(counts, -FULL_SCALE, FULL_SCALE - 1).astype(np.float32) / np.float32(FULL_SCALE)
@@ -51,6 +53,38 @@ class Hardware:
 IDEAL = Hardware()
 
 
+class RollOffs:
+    """High-passes of first order before two microphones; what comes goes on from what came.
+
+    Parameters
+    ----------
+    corners
+        Where microphones 1 and 2 are 3 dB down [Hz].
+    rate
+        Of the samples [Hz].
+    """
+
+    def __init__(self, corners: tuple[float, float], rate: int) -> None:
+        self._filters = [butter(1, corner, "highpass", fs=rate) if corner else None for corner in corners]
+        self._states: list[Real | None] = [None, None]
+
+    def __bool__(self) -> bool:
+        """Whether one of them is heard."""
+        return any(each is not None for each in self._filters)
+
+    def __call__(self, sounds: Real) -> Real:
+        """Return the next samples (2, ..., n) as the microphones take them up."""
+        if not self:
+            return sounds
+        heard = sounds.copy()
+        for channel, filters in enumerate(self._filters):
+            if filters is not None:
+                sound, state = sounds[channel], self._states[channel]
+                state = np.zeros((*sound.shape[:-1], 1)) if state is None else state
+                heard[channel], self._states[channel] = lfilter(*filters, sound, zi=state)
+        return heard
+
+
 def hardware_of(scenario: Scenario) -> Hardware:
     """Return what the microphones of a scenario are like."""
     told = scenario.microphones
@@ -58,7 +92,7 @@ def hardware_of(scenario: Scenario) -> Hardware:
         return IDEAL
     signs = [-1.0 if inverted else 1.0 for inverted in told.invert]
     first, second = (sign * 10 ** (gain / 20) for sign, gain in zip(signs, told.gain_db, strict=True))
-    return Hardware((first, second), told.swapped)
+    return Hardware((first, second), told.swapped, told.roll_off_hz)
 
 
 def wiring_of(scenario: Scenario) -> ChannelMap:
@@ -81,7 +115,7 @@ class WorldMicrophones:
 
     def __init__(self, world: Sounding, wiring: ChannelMap | None = None) -> None:
         self._world = world
-        self._wiring = wiring
+        self._wired = None if wiring is None else (list(wiring.channels), wiring.correction(world.rate))
         self._blocks: deque[Samples] = deque()
         self._available = 0
         self._index = 0
@@ -110,9 +144,10 @@ class WorldMicrophones:
         clipped = samples.size and (samples.max() >= 1 - 1 / FULL_SCALE or samples.min() <= -1)
         flags = AudioFlag.CLIPPED if clipped else AudioFlag.NONE
         time = self._began + index / self.rate
-        if self._wiring is None:
+        if self._wired is None:
             return AudioBlock(samples, index, time, flags=flags)
-        mapped = self._wiring.apply(samples[list(self._wiring.channels)])
+        channels, correction = self._wired
+        mapped = correction.apply(samples[channels])
         return AudioBlock(mapped.samples, index, time, flags=mapped.flags, raw=mapped.raw)
 
     def __enter__(self) -> Self:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import butter, lfilter
 
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.open_source import open_source
@@ -37,33 +38,43 @@ def test_channels_that_cannot_be_are_refused(keys, said):
 
 
 def test_gain_and_polarity_reach_the_samples_and_not_the_raw():
-    wired = ChannelMap.of(Audio(gain_db=(20.0, 0.0), invert=(False, True))).apply(pair(0.01, -0.02))
+    wired = ChannelMap.of(Audio(gain_db=(20.0, 0.0), invert=(False, True))).correction(16000).apply(pair(0.01, -0.02))
     assert wired.samples == pytest.approx(np.array([[0.1, -0.2], [-0.01, 0.02]]), abs=2**-22)
     assert np.abs(wired.raw - pair(0.01, -0.02)).max() <= 2**-24  # on the 24-bit grid too
 
 
+def test_a_difference_of_roll_off_is_taken_out_of_the_samples_block_after_block():
+    sound = np.random.default_rng(0).normal(0, 0.1, 4800)
+    device = np.stack([sound, lfilter(*butter(1, 40.0, "highpass", fs=16000), sound)]).astype(np.float32)
+    correction = ChannelMap.of(Audio(roll_off_hz=(0.0, 40.0))).correction(16000)
+    wired = [correction.apply(device[:, first : first + 160]) for first in range(0, 4800, 160)]
+    first, second = np.concatenate([each.samples for each in wired], axis=1)
+    assert first == pytest.approx(second, abs=1e-6)
+    assert np.concatenate([each.raw for each in wired], axis=1) == pytest.approx(device, abs=2**-24)
+
+
 def test_without_gain_there_is_no_second_copy():
-    assert ChannelMap.of(Audio()).apply(pair(0.5)).raw is None
+    assert ChannelMap.of(Audio()).correction(16000).apply(pair(0.5)).raw is None
 
 
 def test_samples_off_the_grid_are_rounded_to_it():
-    counts = ChannelMap.of(Audio()).apply(pair(1 / 3)).samples.astype(np.float64) * 2**23
+    counts = ChannelMap.of(Audio()).correction(16000).apply(pair(1 / 3)).samples.astype(np.float64) * 2**23
     assert np.array_equal(counts, np.rint(counts))
 
 
 @pytest.mark.parametrize("full", [1.0, -1.0, 32767 / 32768, 1 - 2**-23])
 def test_full_scale_of_16_and_24_bits_is_clipping(full):
-    assert ChannelMap.of(Audio()).apply(pair(0.1, full)).flags == AudioFlag.CLIPPED
+    assert ChannelMap.of(Audio()).correction(16000).apply(pair(0.1, full)).flags == AudioFlag.CLIPPED
 
 
 def test_a_gain_that_goes_over_full_scale_clips_and_says_so():
-    wired = ChannelMap.of(Audio(gain_db=(40.0, 0.0))).apply(pair(0.5))
+    wired = ChannelMap.of(Audio(gain_db=(40.0, 0.0))).correction(16000).apply(pair(0.5))
     assert wired.samples[0] == pytest.approx(1 - 2**-23)
     assert wired.flags == AudioFlag.CLIPPED
 
 
 def test_what_is_not_a_number_becomes_zero_and_is_flagged():
-    wired = ChannelMap.of(Audio()).apply(pair(0.25, np.nan, np.inf))
+    wired = ChannelMap.of(Audio()).correction(16000).apply(pair(0.25, np.nan, np.inf))
     assert np.array_equal(wired.samples, pair(0.25, 0, 0))
     assert wired.flags == AudioFlag.INVALID
 

@@ -63,10 +63,12 @@ def test_the_audio_is_what_the_microphones_gave_before_gain(tmp_path):
     assert np.array_equal(found[7].block.samples, raw * np.array([[-1], [1]], np.float32))
 
 
-def test_what_a_gain_made_of_any_samples_comes_back(tmp_path):
-    audio = Config.model_validate({"audio": {"gain_db": [7.3, -2.1], "invert": [True, False]}}).audio
+def test_what_corrections_made_of_any_samples_comes_back(tmp_path):
+    wrong = {"gain_db": [7.3, -2.1], "invert": [True, False], "roll_off_hz": [20, 55]}
+    audio = Config.model_validate({"audio": wrong}).audio
     device = np.random.default_rng(4).normal(0, 0.3, (60, 2, HOP)).astype(np.float32)  # finer than 24 bits, and clipped
-    wired = [ChannelMap.of(audio).apply(samples) for samples in device]
+    correction = ChannelMap.of(audio).correction(16000)
+    wired = [correction.apply(samples) for samples in device]
     blocks = [AudioBlock(one.samples, k * HOP, 0.0, flags=one.flags, raw=one.raw) for k, one in enumerate(wired)]
     record(tmp_path, [input_of(k, block=block) for k, block in enumerate(blocks)])
     found = list(only(tmp_path).inputs(audio))
