@@ -19,7 +19,7 @@ FEWEST = 6  # headings
 STEADY = 2 / 3  # share of the headings at which the sound must be heard
 QUIETER_DB = 15.0  # than at the median heading: a pause
 SMALLEST = math.radians(90.0)  # turn [rad]
-DELAY_FROM = math.radians(150.0)  # turn after which a delay between the converters can be told [rad]
+DELAY_FROM = math.radians(150.0)  # turn after which delay and roll-off can be told [rad]
 BROAD = 1000.0  # [Hz] that must be heard well
 WELL = 0.25  # share of the power in common, in a bin that is heard well
 OTHER = 0.15  # of the direct sound: a second source
@@ -33,6 +33,7 @@ BIAS = 6e-6  # of delays, if nothing of the sound came straight: what reflection
 SPACING_FLOOR = 1e-3  # of the spacing: what remains however long one listens
 ANGLE_FLOOR = math.radians(0.05)  # [rad]
 DELAY_FLOOR = 1e-7  # [s]
+ROLL_OFF_FLOOR = 0.5  # [Hz]
 GAIN_FLOOR = 0.03  # [dB]
 
 
@@ -55,6 +56,8 @@ class Calibration:
     inverted: bool  # the microphones have opposite polarity
     delay: float | None  # of microphone 2 before microphone 1, whatever the heading [s]; None: the turn was too small
     delay_sigma: float | None
+    roll_off: float | None  # of microphone 2 above that of microphone 1 [Hz]; None: the turn was too small
+    roll_off_sigma: float | None
     direct: float  # share of direct sound, 1 in the open
     headings: int
     turn: float  # [rad]
@@ -68,7 +71,7 @@ def calibrate(
     elevation: float = 0.0,
     configured: float = 0.05,
 ) -> Calibration:
-    """Estimate spacing, heading offset, gain, polarity and swap of two microphones from one sound and a turn.
+    """Estimate spacing, heading offset, gain, polarity, roll-off and swap of two microphones from one sound and a turn.
 
     Only the ratio of spacing to speed of sound can be heard: 1 degree Celsius is 0.17 % of the spacing. Of a sound
     whose azimuth is not told the offset cannot be, nor whether the microphones are swapped, since an array that is
@@ -97,7 +100,7 @@ def calibrate(
     if span < SMALLEST:
         raise NotCalibrated(f"expected a turn of at least {_deg(SMALLEST)} deg, got {_deg(span)}")
     widest = max(WIDEST, 2 * configured) / speed_of_sound
-    found = fit(turn, widest, free_delay=span >= DELAY_FROM)
+    found = fit(turn, widest, free=span >= DELAY_FROM)
     _check_room(turn, found, speed_of_sound)
     length = speed_of_sound / math.cos(elevation)
     variance = np.diag(found.covariance)
@@ -117,6 +120,8 @@ def calibrate(
         inverted=found.inverted,
         delay=found.delay if free else None,
         delay_sigma=math.hypot(math.sqrt(variance[2]), bias, DELAY_FLOOR) if free else None,
+        roll_off=found.roll_off if free else None,
+        roll_off_sigma=math.hypot(math.sqrt(variance[3]), ROLL_OFF_FLOOR) if free else None,
         direct=found.direct, headings=len(usable), turn=span,
     )  # fmt: skip
 

@@ -4,11 +4,11 @@ At heading phi the microphones hear a source at azimuth theta with the delay
 ``tau = (d / v_p) cos(theta - phi) + tau_0``: the amplitude is the spacing, the phase the azimuth, and tau_0 a delay
 between the converters. All bins of all headings are explained at once,
 
-    Gamma(f, phi) = s e^{j 2 pi f tau_0} (rho(f) e^{j 2 pi f (tau - tau_0)} + kappa(f)),
+    Gamma(f, phi) = s e^{j (2 pi f tau_0 + arctan(f_0 / f))} (rho(f) e^{j 2 pi f (tau - tau_0)} + kappa(f)),
 
 with the polarity s = +-1, a share rho of direct sound, and a share kappa of sound from all sides, which is the same at
-all headings; both are constant over bands. Delays beyond half a period are no harm, since one sinusoid explains all
-frequencies.
+all headings; both are constant over bands. f_0 is how much higher microphone 2 rolls off at low frequencies. Delays
+beyond half a period are no harm, since one sinusoid explains all frequencies.
 """
 
 from __future__ import annotations
@@ -33,8 +33,10 @@ AZIMUTHS = np.arange(180) * np.pi / 90  # tried there [rad]
 TINY = 1e-12
 DELAYS = np.arange(-4, 5) * 3e-5  # between the converters, tried in the search [s]
 ELSEWHERE = np.deg2rad(20.0)  # from a source: another one [rad]
-SCALE = 1e-6  # of the parameters [s]
-STEP = 0.05  # of the differences [SCALE]
+SCALE = 1e-6  # of the parameters that are delays [s]
+HERTZ = 10.0  # scale of the roll-off
+SCALES = np.array([SCALE, SCALE, SCALE, HERTZ])
+STEP = 0.05  # of the differences, in the scales of the parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,14 +84,15 @@ class TurnFit:
     amplitude: float  # d / v_p cos(elevation) [s]
     azimuth: float  # of the source, in the frame of the headings [rad]
     delay: float  # of microphone 2 before microphone 1, whatever the heading [s]
+    roll_off: float  # of microphone 2 above that of microphone 1 [Hz]
     inverted: bool  # the microphones have opposite polarity
     direct: float  # share of direct sound in what both have in common, 0 to 1
     bands: Real  # the same in every band, (n_bands,)
     diffuse: Real  # share of what is the same at all headings in every band, (n_bands,)
-    covariance: Real  # of amplitude [s], azimuth [rad] and delay [s], (3, 3)
+    covariance: Real  # of amplitude [s], azimuth [rad], delay [s] and roll-off [Hz], (4, 4)
 
 
-def fit(turn: Turn, widest: float, *, free_delay: bool = True) -> TurnFit:
+def fit(turn: Turn, widest: float, *, free: bool = True) -> TurnFit:
     """Find the sinusoid that explains most of a turn.
 
     Parameters
@@ -98,21 +101,23 @@ def fit(turn: Turn, widest: float, *, free_delay: bool = True) -> TurnFit:
         Headings that reach over a third of a turn at least.
     widest
         The largest amplitude to be looked for [s].
-    free_delay
-        Whether a delay between the converters is looked for; after a small turn it cannot be told from the rest.
+    free
+        Whether a delay between the converters and a difference of roll-off are looked for; after a small turn they
+        cannot be told from the rest.
     """
-    start, inverted = _search(turn, widest, free_delay=free_delay)
+    start, inverted = _search(turn, widest, free_delay=free)
     model = _Model(turn, -1.0 if inverted else 1.0)
-    best = _descend(model, start, 3 if free_delay else 2)
-    covariance = _covariance(model, best, 3 if free_delay else 2)
+    best = _descend(model, start, 4 if free else 2)
+    covariance = _covariance(model, best, 4 if free else 2)
     direct, diffuse, total = model.shares(best)
-    a, b, delay = best * SCALE
+    a, b, delay, roll_off = best * SCALES
     amplitude = float(np.hypot(a, b))
-    turned = np.array([[a / amplitude, b / amplitude, 0], [-b / amplitude**2, a / amplitude**2, 0], [0, 0, 1]])
+    turned = np.eye(4)
+    turned[:2, :2] = [[a / amplitude, b / amplitude], [-b / amplitude**2, a / amplitude**2]]
     return TurnFit(
-        amplitude, float(np.arctan2(b, a)), float(delay), inverted,
+        amplitude, float(np.arctan2(b, a)), float(delay), float(roll_off), inverted,
         direct=float((direct * total).sum() / total.sum()), bands=direct, diffuse=diffuse,
-        covariance=turned @ covariance @ turned.T * SCALE**2,
+        covariance=turned @ (covariance * np.outer(SCALES, SCALES)) @ turned.T,
     )  # fmt: skip
 
 
@@ -152,16 +157,16 @@ def second_source(turn: Turn, found: TurnFit) -> tuple[float, float]:
     """Share of the weight that another source at rest explains best of what a fit leaves, and its azimuth [rad]."""
     away = AZIMUTHS[np.abs(difference(AZIMUTHS, found.azimuth)) > ELSEWHERE]
     delays = found.amplitude * np.cos(away - turn.headings[:, None]) + found.delay
-    shares = Steered(turn, _left_over(turn, found)).share(delays) * (-1 if found.inverted else 1)
+    left = _left_over(turn, found) * np.exp(-1j * np.arctan(found.roll_off / turn.frequencies))
+    shares = Steered(turn, left).share(delays) * (-1 if found.inverted else 1)
     return float(shares.max()), float(away[shares.argmax()])
 
 
 def _left_over(turn: Turn, found: TurnFit) -> Complex:
     """What a fit does not explain, (n_headings, n_freqs)."""
     model = _Model(turn, -1.0 if found.inverted else 1.0)
-    best = np.array([np.cos(found.azimuth), np.sin(found.azimuth), 0.0]) * found.amplitude
-    best[2] = found.delay
-    return np.asarray(turn.phase - model.modelled(best / SCALE))
+    a, b = np.cos(found.azimuth) * found.amplitude, np.sin(found.azimuth) * found.amplitude
+    return np.asarray(turn.phase - model.modelled(np.array([a, b, found.delay, found.roll_off]) / SCALES))
 
 
 def _search(turn: Turn, widest: float, *, free_delay: bool) -> tuple[Real, bool]:
@@ -175,11 +180,14 @@ def _search(turn: Turn, widest: float, *, free_delay: bool) -> tuple[Real, bool]
             if abs(shares[place]) > abs(best):
                 best, found = float(shares[place]), (float(amplitude), float(AZIMUTHS[place]), float(delay))
     amplitude, azimuth, delay = found
-    return np.array([amplitude * np.cos(azimuth), amplitude * np.sin(azimuth), delay]) / SCALE, best < 0
+    return np.array([amplitude * np.cos(azimuth), amplitude * np.sin(azimuth), delay, 0.0]) / SCALES, best < 0
 
 
 class _Model:
-    """The misfit of a turn for any sinusoid; parameters are a, b of ``a cos(phi) + b sin(phi)`` and tau_0 [SCALE]."""
+    """The misfit of a turn for any sinusoid.
+
+    Parameters are a, b of ``a cos(phi) + b sin(phi)``, tau_0 and f_0, in `SCALES`.
+    """
 
     def __init__(self, turn: Turn, sign: float) -> None:
         self.turn, self.sign = turn, sign
@@ -205,7 +213,7 @@ class _Model:
         """What the model says with its best shares, (n_headings, n_freqs)."""
         direct, diffuse, _ = self.shares(at)
         modelled = direct[self.band] * self._wave(at) + diffuse[self.band]
-        return np.asarray(self.sign * np.exp(1j * self._omega * at[2]) * modelled)
+        return np.asarray(self._shift(at) * modelled)
 
     def misfits(self, at: Real, shares: tuple[Real, Real, Real]) -> Real:
         """Squared residuals at every heading with these shares, (n_headings,)."""
@@ -221,7 +229,12 @@ class _Model:
         return np.asarray(np.exp(1j * np.outer(self._directions @ at[:2], self._omega)))
 
     def _unshifted(self, at: Real) -> Complex:
-        return np.asarray(self.sign * self.turn.phase * np.exp(-1j * self._omega * at[2]))
+        return np.asarray(self.turn.phase * self._shift(at).conj())
+
+    def _shift(self, at: Real) -> Complex:
+        """What polarity, delay and roll-off do to the phase at all headings, (n_freqs,)."""
+        corner = np.arctan(at[3] * HERTZ / self.turn.frequencies)
+        return np.asarray(self.sign * np.exp(1j * (self._omega * at[2] + corner)))
 
     def _by_band(self, values: Real) -> Real:
         return np.asarray(np.bincount(self.band, values, BANDS), dtype=float)
@@ -234,17 +247,23 @@ def _descend(model: _Model, start: Real, free: int) -> Real:
     def misfit(part: Real) -> float:
         return model.misfit(np.concatenate([part, start[free:]]))
 
-    found = minimize(misfit, start[:free], method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-6})
+    corners = start[:free] + np.vstack([np.zeros(free), np.eye(free)])
+    found = minimize(
+        misfit,
+        start[:free],
+        method="Nelder-Mead",
+        options={"initial_simplex": corners, "xatol": 1e-3, "fatol": 1e-6},
+    )
     return np.concatenate([found.x, start[free:]])
 
 
 def _covariance(model: _Model, best: Real, free: int) -> Real:
-    """Covariance of the parameters [SCALE^2] that allows for errors which all bins of one heading share (White 1980).
+    """Covariance of the parameters in `SCALES` that allows for errors which all bins of one heading share (White 1980).
 
     ``H^-1 (sum_i g_i g_i^T) H^-1 n / (n - free)``: g_i the gradient of each heading's misfit, H the Hessian of all.
     """
     shares, n = model.shares(best), len(model.turn.headings)
-    steps = np.eye(3)[:free] * STEP
+    steps = np.eye(4)[:free] * STEP
     slopes = [(model.misfits(best + h, shares) - model.misfits(best - h, shares)) / (2 * STEP) for h in steps]
     gradients = np.stack(slopes, axis=1)
     hessian = np.empty((free, free))
@@ -253,6 +272,6 @@ def _covariance(model: _Model, best: Real, free: int) -> Real:
             ends = [model.misfit(best + s * one + t * other) * s * t for s in (1, -1) for t in (1, -1)]
             hessian[i, j] = sum(ends) / (4 * STEP**2)
     inverse = np.linalg.pinv(hessian)
-    covariance = np.zeros((3, 3))
+    covariance = np.zeros((4, 4))
     covariance[:free, :free] = inverse @ gradients.T @ gradients @ inverse * n / max(n - free, 1)
     return covariance

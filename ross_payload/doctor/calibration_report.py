@@ -16,6 +16,9 @@ from ross_protocols.angle_text import bearing, rotation
 APART = 2.0  # standard deviations by which a configured value must differ to be wrong
 LATE_S = 5e-6  # a delay between the channels that is worth a word [s]
 INAUDIBLE_DB = 0.05  # [dB]
+LEAST_HZ = 2.0  # of a difference of roll-off that is worth a correction: 0.2 deg at 500 Hz
+HIGHEST_HZ = 300.0  # that a roll-off may be configured to
+TOLD_AT_HZ = 500.0  # what a roll-off does to the phase is told there
 LOUDEST_DB = 60.0  # that a gain may be configured to [dB]
 
 
@@ -34,18 +37,26 @@ def changes(config: Config, found: Calibration) -> dict[str, Any]:
         turned = config.array.offset_deg + math.degrees(found.offset)
         wanted["array.offset_deg"] = round((turned + 180) % 360 - 180, 2)
     gains, inverted = list(config.audio.gain_db), list(config.audio.invert)
+    corners = list(config.audio.roll_off_hz)
     if abs(found.gain_db) > max(APART * found.gain_sigma_db, INAUDIBLE_DB):
         louder = 1 if found.gain_db > 0 else 0
         gains[louder] = round(max(gains[louder] - abs(found.gain_db), -LOUDEST_DB), 2)
     if found.inverted:
         inverted[1] = not inverted[1]
+    higher, sigma = found.roll_off, found.roll_off_sigma
+    if higher is not None and sigma is not None and abs(higher) > max(APART * sigma, LEAST_HZ):
+        apart = corners[1] - corners[0] + higher
+        corners = [round(min(max(each, 0.0), HIGHEST_HZ), 1) for each in (-apart, apart)]
     if found.swapped:  # they belong to the microphones, which change places
         gains.reverse()
         inverted.reverse()
+        corners.reverse()
     if gains != list(config.audio.gain_db):
         wanted["audio.gain_db"] = gains
     if inverted != list(config.audio.invert):
         wanted["audio.invert"] = inverted
+    if corners != list(config.audio.roll_off_hz):
+        wanted["audio.roll_off_hz"] = corners
     return wanted
 
 
@@ -64,6 +75,8 @@ def findings(config: Config, found: Calibration, *, earth: bool) -> Iterator[Fin
         yield warn("polarity", "the microphones have opposite polarity", "audio.invert, for one of them")
     else:
         yield ok("polarity", "the same at both microphones")
+    if found.roll_off is not None and found.roll_off_sigma is not None:
+        yield _roll_off(config, found.roll_off, found.roll_off_sigma, wrong="audio.roll_off_hz" in wanted)
     if found.delay is not None and found.delay_sigma is not None:
         yield from _delay(found.delay, found.delay_sigma)
     yield ok("sound", f"{found.direct:.2f} of it came straight, at {found.headings} headings")
@@ -85,6 +98,13 @@ def _offset(found: Calibration, wanted: dict[str, Any], *, earth: bool) -> Itera
         yield warn("channels", "microphones 1 and 2 are swapped, or the array is mounted back to front", "see below")
     text = f"off by {rotation(found.offset)} ± {sigma:.1f} deg"
     yield _against("offset", text, "beyond what is configured", wrong="array.offset_deg" in wanted)
+
+
+def _roll_off(config: Config, higher: float, sigma: float, *, wrong: bool) -> Finding:
+    phase = math.degrees(math.atan2(abs(higher), TOLD_AT_HZ))
+    found = f"of microphone 2 {higher:+.0f} ± {sigma:.0f} Hz above 1, {phase:.1f} deg at {TOLD_AT_HZ:.0f} Hz"
+    corners = config.audio.roll_off_hz
+    return _against("roll-off", found, f"with roll_off_hz = [{corners[0]:g}, {corners[1]:g}]", wrong=wrong)
 
 
 def _delay(delay: float, sigma: float) -> Iterator[Finding]:

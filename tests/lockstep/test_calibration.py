@@ -23,7 +23,13 @@ from ross_sim.study.rows.row_files import read_rows
 from ross_sim.talkers.speech import TalkerVoice
 
 RATE, SPEED = 16000, 343.0
-TRUE = {"spacing_m": 0.064, "offset_deg": 12.0, "gain_db": (0.0, 1.5), "invert": (False, True)}
+TRUE = {
+    "spacing_m": 0.064,
+    "offset_deg": 12.0,
+    "gain_db": (0.0, 1.5),
+    "invert": (False, True),
+    "roll_off_hz": (60.0, 25.0),
+}
 PLAN = TurnPlan(headings=6, seconds=0.7)
 QUICKLY = {"max_speed_deg_s": 360.0, "max_acceleration_deg_s2": 1000.0}
 NIMBLE = {"guard": QUICKLY, "actuator": {"kind": "tb6600", "options": QUICKLY}}  # most of the time goes into turns
@@ -67,6 +73,7 @@ def test_a_calibration_finds_the_true_array_and_its_session_tells_the_same(tmp_p
     assert found.spacing == pytest.approx(0.064, abs=5e-4)
     assert math.degrees(found.offset) == pytest.approx(12.0, abs=0.5)
     assert found.gain_db == pytest.approx(1.5, abs=0.2)
+    assert found.roll_off == pytest.approx(-35.0, abs=2.0)
     assert found.inverted
     assert not found.swapped
     assert watch.joints[-1] == pytest.approx(watch.joints[0], abs=1e-3)  # it is back where it was

@@ -1,6 +1,7 @@
 """An array that was turned in the open while something sounded: plane waves, with phases by theory."""
 
 import numpy as np
+from scipy.signal import butter, lfilter
 
 from ross_payload.calibration.cross_spectrum import heading_spectrum
 from ross_payload.dsp.steering import tdoa
@@ -21,10 +22,13 @@ def waves(signal, azimuths, heading, spacing, delay=0.0):
 
 
 def heard_at(
-    headings, *, azimuths=(0.7,), spacing=0.05, gain_db=0.0, inverted=False, delay=0.0, noise=0.1, silent=(),
-    colour=None, level=0.05, seed=0,
+    headings, *, azimuths=(0.7,), spacing=0.05, gain_db=0.0, inverted=False, delay=0.0, roll_off=0.0, noise=0.1,
+    silent=(), colour=None, level=0.05, seed=0,
 ):  # fmt: skip
-    """Samples (2, n) at every heading [rad]; ``noise`` of each microphone's own, and nothing else where ``silent``."""
+    """Samples (2, n) at every heading [rad]; ``noise`` of each microphone's own, and nothing else where ``silent``.
+
+    Microphone 2 is 3 dB down at ``roll_off`` [Hz].
+    """
     rng = np.random.default_rng(seed)
     n = round(SECONDS * RATE)
     for index, heading in enumerate(headings):
@@ -32,6 +36,8 @@ def heard_at(
         signal = signal if colour is None else colour(signal)
         both = waves(signal, azimuths, heading, spacing, delay) * (index not in silent)
         both += noise * rng.standard_normal((2, n))
+        if roll_off:
+            both[1] = lfilter(*butter(1, roll_off, "highpass", fs=RATE), both[1])
         both[1] *= 10 ** (gain_db / 20) * (-1 if inverted else 1)
         yield (level * both).astype(np.float32)
 

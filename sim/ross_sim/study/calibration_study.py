@@ -1,7 +1,7 @@
 """How well arrays are calibrated by turning: random arrays in simulated rooms, the real turn, guard and driver.
 
-Every draw has its own spacing (30 to 100 mm), heading offset, gain, polarity and order of the cables, none of which
-the payload is told; one sound at a random azimuth, 2.5 m away and as high as the array, and sensor noise 15 dB below
+Every draw has its own spacing (30 to 100 mm), heading offset, gain, polarity, roll-offs and order of the cables, none
+of which the payload is told; one sound at a random azimuth, 2.5 m away and as high as the array, and sensor noise 15 dB below
 it. A stepper turns the array, and its shaft is off by up to 5 % of a full step, differently at each of them, which
 does not add up, as the makers of motors state it. The sound is noise, as a phone plays it, or a recorded talker.
 """
@@ -44,6 +44,7 @@ PLAN = TurnPlan()  # as `ross calibrate` turns
 NOISE, TALKER = "noise", "talker"
 SPACING_M = (0.03, 0.1)
 GAIN_DB, OFFSET_DEG = 3.0, 40.0  # to either side at most
+ROLL_OFF_HZ = (20.0, 80.0)  # of each microphone
 SNR_DB = 15.0
 SECONDS = 60.0  # of sound
 SOFTEST_HZ, LOUDEST_HZ = 300.0, 1000.0  # a phone's loudspeaker: nothing below the one, pink above the other
@@ -69,6 +70,12 @@ class Draw:
     gain_db: float  # of microphone 2
     inverted: bool
     swapped: bool
+    roll_off_hz: tuple[float, float]  # of microphones 1 and 2
+
+    @property
+    def higher(self) -> float:
+        """By how much microphone 2 rolls off above microphone 1 [Hz]."""
+        return self.roll_off_hz[1] - self.roll_off_hz[0]
 
 
 class StepErrors:
@@ -98,6 +105,7 @@ def drawn(setting: str, sound: str, number: int, seed: int) -> Draw:
         azimuth=float(rng.uniform(-math.pi, math.pi)), spacing=float(rng.uniform(*SPACING_M)),
         offset_deg=float(rng.uniform(-OFFSET_DEG, OFFSET_DEG)), gain_db=float(rng.uniform(-GAIN_DB, GAIN_DB)),
         inverted=bool(rng.random() < 0.5), swapped=bool(rng.random() < 0.25),
+        roll_off_hz=(float(rng.uniform(*ROLL_OFF_HZ)), float(rng.uniform(*ROLL_OFF_HZ))),
     )  # fmt: skip
 
 
@@ -112,6 +120,7 @@ def scenario_of(draw: Draw) -> Scenario:
         "microphones": {
             "spacing_m": draw.spacing, "offset_deg": draw.offset_deg, "gain_db": (0.0, draw.gain_db),
             "invert": (False, draw.inverted), "swapped": draw.swapped,
+            "roll_off_hz": draw.roll_off_hz,
         },
         "talkers": [{"azimuth_deg": math.degrees(draw.azimuth), "start_s": 0.0}
                     | ({} if room.flat else {"height_m": room.centre[2]})],
@@ -205,15 +214,15 @@ def _row(draw: Draw, found: Calibration | str, seconds: float) -> CalibrationRow
     told = {
         "setting": draw.setting, "sound": draw.sound, "draw": draw.number, "seed": draw.seed,
         "spacing_mm": round(1e3 * draw.spacing, 3), "offset_deg": round(draw.offset_deg, 3),
-        "gain_db": round(draw.gain_db, 3), "turn_s": round(seconds, 2),
+        "gain_db": round(draw.gain_db, 3), "roll_off_hz": round(draw.higher, 3), "turn_s": round(seconds, 2),
     }  # fmt: skip
     if isinstance(found, str):
         none = dict.fromkeys(
             ("spacing_error_mm", "spacing_sigma_mm", "offset_error_deg", "offset_sigma_deg", "gain_error_db",
-             "gain_sigma_db", "direct")
+             "gain_sigma_db", "roll_off_error_hz", "roll_off_sigma_hz", "direct")
         )  # fmt: skip
         return CalibrationRow(**told, **none, polarity_right=False, swap_right=False, refused=found)  # type: ignore[arg-type]
-    gain = -draw.gain_db if draw.swapped else draw.gain_db
+    gain, higher = (-draw.gain_db, -draw.higher) if draw.swapped else (draw.gain_db, draw.higher)
     offset = wrap((found.offset or 0.0) - math.radians(draw.offset_deg))
     return CalibrationRow(
         **told,  # type: ignore[arg-type]
@@ -223,6 +232,8 @@ def _row(draw: Draw, found: Calibration | str, seconds: float) -> CalibrationRow
         offset_sigma_deg=_round(math.degrees(found.azimuth_sigma)),
         gain_error_db=_round(found.gain_db - gain),
         gain_sigma_db=_round(found.gain_sigma_db),
+        roll_off_error_hz=None if found.roll_off is None else _round(found.roll_off - higher),
+        roll_off_sigma_hz=None if found.roll_off_sigma is None else _round(found.roll_off_sigma),
         polarity_right=found.inverted == draw.inverted,
         swap_right=found.swapped == draw.swapped,
         direct=_round(found.direct),

@@ -93,6 +93,21 @@ def test_what_it_writes_makes_the_array_agree(files, monkeypatch, capsys):
     assert "the configuration agrees with what was heard" in out
 
 
+@pytest.mark.parametrize("channels", [[0, 1], [1, 0]])
+def test_a_difference_of_roll_off_is_written_and_then_agrees(files, monkeypatch, capsys, channels):
+    config, wav, table = files
+    config.write_text(f"[audio]\nchannels = {channels}\n")
+    record(wav, table, roll_off=40.0)
+    code, out, _ = called(monkeypatch, capsys, *offline(files, "--write"))
+    assert code == 0
+    assert "4.6 deg at 500 Hz, with roll_off_hz = [0, 0]" in out
+    corners = load(config).audio.roll_off_hz
+    assert corners[channels.index(1)] == pytest.approx(40.0, abs=2.0)
+    assert corners[channels.index(0)] == 0.0
+    code, out, _ = called(monkeypatch, capsys, *offline(files))
+    assert "the configuration agrees with what was heard" in out
+
+
 @pytest.mark.soak
 def test_a_known_azimuth_gives_the_offset(files, monkeypatch, capsys):
     wrong = f"{math.degrees(-0.7) - 10:.3f}"  # 10 deg counter-clockwise of where it sounds by the configuration

