@@ -245,6 +245,7 @@ class ArrayContradicted(Event):
     inverted: bool  # the microphones have opposite polarity
     delay: float | None = None  # of microphone 2 before microphone 1, whatever the heading, roughly [s]
     fixed: bool = False  # what was heard has the same delay at all headings, as interference has
+    roll_off: float | None = None  # of microphone 2 above that of microphone 1, at low frequencies [Hz]
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,6 +41,11 @@ class Contradiction:
     delay: float | None = None  # of microphone 2 before microphone 1, whatever the heading [s]
     fixed: bool = False  # what was heard has the same delay at all headings: it turns with the array
 
+    @property
+    def geometry(self) -> bool:
+        """Whether the delays are not those of sources around such an array: then nothing finer can be told of them."""
+        return self.inverted or self.fixed or self.spacing is not None or self.delay is not None
+
     def __bool__(self) -> bool:
         """Whether anything is wrong."""
         return self != Contradiction()

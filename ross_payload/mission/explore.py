@@ -5,11 +5,13 @@ Where it is wanted the array does not pause: `explore_turning`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from ross_payload.angles import wrap, wrap_axis
 from ross_payload.calibration.consistency import contradiction
 from ross_payload.calibration.cross_spectrum import HEARD, heading_spectrum
+from ross_payload.calibration.roll_off_check import roll_off_contradiction
 from ross_payload.events import ArrayContradicted, Doubted, Estimate, State
 from ross_payload.mission.context import Context, FrameChanged, Step, listen
 from ross_payload.mission.explore_turning import explore_turning
@@ -18,6 +20,7 @@ from ross_payload.mission.heading_hold import face
 from ross_payload.mission.orientation_scan import certain, matched, orientation, say_belief
 from ross_payload.mission.pipeline import Visits, promising, visit
 
+STEADY = math.radians(3.0)  # a heading that is followed so closely is one [rad]
 SAME = 0.5  # of a step: an alignment so near to an orientation of the schedule takes its place
 
 
@@ -58,11 +61,27 @@ def check_array(context: Context) -> None:
     explored = (heading_spectrum(each.samples, settings.rate, each.heading) for each in context.explored)
     spectra = [each for each in explored if each is not None and each.coherence >= HEARD]
     found = contradiction(spectra, settings.spacing, settings.speed_of_sound, level=settings.level)
-    if found:
+    roll_off = None if found.geometry or not settings.level else _roll_off(context)
+    if found or roll_off is not None:
         told = ArrayContradicted(
-            context.time, found.spacing, settings.spacing, found.gain_db, found.inverted, found.delay, found.fixed
+            context.time,
+            found.spacing,
+            settings.spacing,
+            found.gain_db,
+            found.inverted,
+            found.delay,
+            found.fixed,
+            roll_off,
         )
         context.publish(told)
+
+
+def _roll_off(context: Context) -> float | None:
+    """By how much microphone 2 rolls off above microphone 1 [Hz], where that is sure, by what was heard at rest."""
+    settings = context.settings
+    heard = ((each.heading, each.samples) for each in context.explored if each.spread <= STEADY and not each.deaf)
+    believed = context.beliefs[-1] if context.beliefs else Estimate(())
+    return roll_off_contradiction(heard, believed, settings.rate, settings.spacing / settings.speed_of_sound)
 
 
 def _orientations(context: Context) -> Step[tuple[Estimate, int | None]]:

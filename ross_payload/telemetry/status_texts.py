@@ -75,6 +75,9 @@ def contradicted(event: events.ArrayContradicted) -> str:
         parts.append(f"microphone {late} seems about {1e6 * abs(event.delay):.0f} us late at all headings")
     if event.spacing is not None:
         parts.append(f"spacing seems {1e3 * event.spacing:.0f} mm, not {1e3 * event.configured:.0f}")
+    if event.roll_off is not None:
+        higher = 1 if event.roll_off < 0 else 2
+        parts.append(f"microphone {higher} rolls off about {abs(event.roll_off):.0f} Hz higher")
     if event.gain_db is not None:
         parts.append(f"microphone 2 is {abs(event.gain_db):.1f} dB {'louder' if event.gain_db > 0 else 'softer'}")
     return ", ".join(parts)

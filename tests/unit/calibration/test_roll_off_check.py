@@ -1,0 +1,103 @@
+"""Several talkers, whose azimuths are about known, tell how differently the microphones roll off."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import butter, lfilter
+
+from mission_bench import SETTINGS
+from ross_payload.calibration.roll_off_check import roll_off_apart, roll_off_contradiction
+from ross_payload.events import ArrayContradicted, Estimate, SourceEstimate
+from ross_payload.mission import explore
+from ross_payload.mission.context import Context, Listening
+from ross_payload.telemetry.status_texts import line
+from ross_sim.talkers.synthetic_voices import synthetic_voice
+from turned_array import RATE, SPEED, waves
+
+TALKERS = np.array([0.7, 2.6, -1.4])
+TURN = np.deg2rad(15.0) * np.arange(9)
+UNIT = 0.05 / SPEED
+SECONDS = 1.0
+
+
+@pytest.fixture(scope="module")
+def voices():
+    return [synthetic_voice(index, RATE).speech for index in range(len(TALKERS))]
+
+
+def heard(voices, *, corners=(0.0, 0.0), delay=0.0, turn=TURN, noise=1e-3, seed=0):
+    """Heading and samples of talkers in the open, by microphones that roll off at these frequencies [Hz]."""
+    rng, n = np.random.default_rng(seed), round(SECONDS * RATE)
+    for index, heading in enumerate(turn):
+        said = np.stack([voice[index * n : (index + 1) * n] for voice in voices])
+        both = waves(said, TALKERS[: len(voices)], heading, 0.05, delay) + noise * rng.standard_normal((2, n))
+        for channel, corner in enumerate(corners):
+            if corner:
+                both[channel] = lfilter(*butter(1, corner, "highpass", fs=RATE), both[channel])
+        yield float(heading), both.astype(np.float32)
+
+
+def believed(azimuths, *, sigma=0.01, nominal=0.01):
+    return Estimate(tuple(SourceEstimate(float(a), sigma, 1.0, True, nominal_sigma=nominal) for a in azimuths))
+
+
+@pytest.mark.parametrize("corners", [(20.0, 60.0), (80.0, 30.0)])
+def test_the_difference_is_told_though_the_azimuths_are_off_by_it(voices, corners):
+    off = TALKERS + np.deg2rad([2.0, -3.0, 2.0])
+    found = roll_off_contradiction(heard(voices, corners=corners), believed(off), RATE, UNIT)
+    assert found == pytest.approx(corners[1] - corners[0], abs=6.0)
+
+
+def test_microphones_that_are_alike_are_not_doubted(voices):
+    found, sigma = roll_off_apart(heard(voices), TALKERS, RATE, UNIT)
+    assert abs(found) < max(4 * sigma, 5.0)
+    assert roll_off_contradiction(heard(voices), believed(TALKERS), RATE, UNIT) is None
+
+
+def test_one_talker_is_not_believed(voices):
+    assert roll_off_contradiction(heard(voices[:1], corners=(0, 60)), believed(TALKERS[:1]), RATE, UNIT) is None
+
+
+def test_a_reverberant_room_has_to_say_more(voices):
+    estimate = believed(TALKERS, sigma=0.02)
+    assert roll_off_contradiction(heard(voices, corners=(0, 40)), estimate, RATE, UNIT) is None
+
+
+def test_a_delay_is_no_roll_off(voices):
+    turn = np.deg2rad(20.0) * np.arange(10)  # far enough to tell the two apart
+    found, _ = roll_off_apart(heard(voices, delay=5e-6, turn=turn), TALKERS, RATE, UNIT)
+    assert abs(found) < 10.0
+
+
+@pytest.mark.parametrize("turn", [TURN[:6], TURN[:0]])
+def test_a_few_headings_tell_nothing(voices, turn):
+    assert roll_off_apart(heard(voices, turn=turn), TALKERS, RATE, UNIT) is None
+
+
+def test_silence_and_stretches_that_are_too_short_tell_nothing(voices):
+    silent = [(heading, 0 * samples) for heading, samples in heard(voices)]
+    short = [(heading, samples[:, :500]) for heading, samples in heard(voices)]
+    assert roll_off_apart(silent, TALKERS, RATE, UNIT) is None
+    assert roll_off_apart(short, TALKERS, RATE, UNIT) is None
+
+
+def explored(voices, *, settings=SETTINGS, spread=0.0, **like):
+    """What an exploration of these talkers has to say of the array."""
+    context = Context(replace(settings, rate=RATE), tools=None)
+    context.explored = [Listening(heading, samples, spread) for heading, samples in heard(voices, **like)]
+    context.beliefs = [believed(TALKERS)]
+    explore.check_array(context)
+    return [event for event in context.pending if isinstance(event, ArrayContradicted)]
+
+
+def test_an_exploration_says_so_and_an_operator_reads_it(voices):
+    (event,) = explored(voices, corners=(20.0, 60.0))
+    assert (event.spacing, event.gain_db, event.delay) == (None, None, None)
+    assert line(event)[1] == f"array: microphone 2 rolls off about {event.roll_off:.0f} Hz higher: ross calibrate"
+    assert "microphone 1 rolls off about 40 Hz higher" in line(replace(event, roll_off=-40.0))[1]
+
+
+def test_nothing_is_said_of_it_below_a_vehicle_or_while_the_array_turns(voices):
+    assert explored(voices, corners=(20.0, 60.0), settings=replace(SETTINGS, level=False)) == []
+    assert explored(voices, corners=(20.0, 60.0), spread=0.1) == []
