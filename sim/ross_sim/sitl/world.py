@@ -133,8 +133,8 @@ class World:
         self._spacing = scenario.spacing
         self._turns_heard = scenario.room.turns_heard
         self._hardware = hardware_of(scenario)
-        self._talkers_roll_off = RollOffs(self._hardware.roll_offs, self.rate)
-        self._noise_roll_off = RollOffs(self._hardware.roll_offs, self.rate)
+        corners = (0.0, 0.0) if scenario.microphones is None else scenario.microphones.roll_off_hz
+        self._talkers_roll_off, self._noise_roll_off = RollOffs(corners, self.rate), RollOffs(corners, self.rate)
         self._microphones: Microphones | None = None
         self._around: list[Microphones] = []  # what they hear of noise sources in the room
         self._aboard: list[Microphones] = []  # and on the vehicle

@@ -39,11 +39,10 @@ class Hardware:
 
     factors: tuple[float, float] = (1.0, 1.0)  # gain and polarity of microphones 1 and 2
     swapped: bool = False  # cables
-    roll_offs: tuple[float, float] = (0.0, 0.0)  # of microphones 1 and 2 at low frequencies [Hz]
 
     def recorded(self, samples: Samples) -> Samples:
         """Return what two channels carry, (2, n), rounded and clipped by the converter."""
-        if replace(self, roll_offs=IDEAL.roll_offs) == IDEAL:
+        if self == IDEAL:
             return samples
         counts = np.rint(samples * np.array(self.factors)[:, None] * FULL_SCALE)
         heard = np.clip(counts, -FULL_SCALE, FULL_SCALE - 1).astype(np.float32) / np.float32(FULL_SCALE)
@@ -92,7 +91,7 @@ def hardware_of(scenario: Scenario) -> Hardware:
         return IDEAL
     signs = [-1.0 if inverted else 1.0 for inverted in told.invert]
     first, second = (sign * 10 ** (gain / 20) for sign, gain in zip(signs, told.gain_db, strict=True))
-    return Hardware((first, second), told.swapped, told.roll_off_hz)
+    return Hardware((first, second), told.swapped)
 
 
 def wiring_of(scenario: Scenario) -> ChannelMap:

@@ -1,9 +1,10 @@
 """How well arrays are calibrated by turning: random arrays in simulated rooms, the real turn, guard and driver.
 
 Every draw has its own spacing (30 to 100 mm), heading offset, gain, polarity, roll-offs and order of the cables, none
-of which the payload is told; one sound at a random azimuth, 2.5 m away and as high as the array, and sensor noise 15 dB below
-it. A stepper turns the array, and its shaft is off by up to 5 % of a full step, differently at each of them, which
-does not add up, as the makers of motors state it. The sound is noise, as a phone plays it, or a recorded talker.
+of which the payload is told; one sound at a random azimuth, 2.5 m away and as high as the array, and sensor noise
+15 dB below it. A stepper turns the array, and its shaft is off by up to 5 % of a full step, differently at each of
+them, which does not add up, as the makers of motors state it. The sound is noise, as a phone plays it, or a recorded
+talker.
 """
 
 from __future__ import annotations
