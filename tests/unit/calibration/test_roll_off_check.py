@@ -26,12 +26,12 @@ def voices():
     return [synthetic_voice(index, RATE).speech for index in range(len(TALKERS))]
 
 
-def heard(voices, *, corners=(0.0, 0.0), delay=0.0, turn=TURN, noise=1e-3, seed=0):
+def heard(voices, *, corners=(0.0, 0.0), delay=0.0, turn=TURN, noise=1e-3, spacing=0.05, seed=0):
     """Heading and samples of talkers in the open, by microphones that roll off at these frequencies [Hz]."""
     rng, n = np.random.default_rng(seed), round(SECONDS * RATE)
     for index, heading in enumerate(turn):
         said = np.stack([voice[index * n : (index + 1) * n] for voice in voices])
-        both = waves(said, TALKERS[: len(voices)], heading, 0.05, delay) + noise * rng.standard_normal((2, n))
+        both = waves(said, TALKERS[: len(voices)], heading, spacing, delay) + noise * rng.standard_normal((2, n))
         for channel, corner in enumerate(corners):
             if corner:
                 both[channel] = lfilter(*butter(1, corner, "highpass", fs=RATE), both[channel])
@@ -68,6 +68,22 @@ def test_a_delay_is_no_roll_off(voices):
     turn = np.deg2rad(20.0) * np.arange(10)  # far enough to tell the two apart
     found, _ = roll_off_apart(heard(voices, delay=5e-6, turn=turn), TALKERS, RATE, UNIT)
     assert abs(found) < 10.0
+
+
+def test_talkers_above_the_array_have_shorter_delays_and_no_other_roll_off(voices):
+    found, _ = roll_off_apart(heard(voices, spacing=0.043), TALKERS, RATE, UNIT)  # 30 deg up
+    assert abs(found) < 8.0
+
+
+def test_what_scatters_from_heading_to_heading_is_not_said(voices):
+    def wavering():
+        for index, (heading, samples) in enumerate(heard(voices)):
+            corner = (0, 90)[index % 2]
+            samples[1] = lfilter(*butter(1, corner, "highpass", fs=RATE), samples[1]) if corner else samples[1]
+            yield heading, samples
+
+    assert abs(roll_off_apart(wavering(), TALKERS, RATE, UNIT)[0]) > 15
+    assert roll_off_contradiction(wavering(), believed(TALKERS), RATE, UNIT) is None
 
 
 @pytest.mark.parametrize("turn", [TURN[:6], TURN[:0]])
