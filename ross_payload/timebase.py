@@ -58,9 +58,10 @@ class Timebase:
 
     After the UNIX time was set back they go on at nine tenths of real time until they agree with it again.
 
-    Everything but `usec`, `utc`, `sure_utc` and `unix` belongs to the pump. Requests of TIMESYNC to us, or to
-    everybody, are answered, whoever asks; every heartbeat of the autopilot (1 Hz) is answered with a request of our
-    own, to it alone: an answer of anybody else would reach the autopilot, which may take it for one to itself.
+    Everything but `usec`, `utc`, `sure_utc` and `unix` belongs to the pump. Requests of TIMESYNC to us by name are
+    answered, whoever asks. Those to everybody are not: PX4 and MAVROS ask so, to know each other's clock, and take an
+    answer of anybody for it. Every heartbeat of the autopilot (1 Hz) is answered with a request of our own, to it
+    alone: an answer of anybody else would reach the autopilot, which may take it for one to itself.
 
     Parameters
     ----------
@@ -194,9 +195,9 @@ class Timebase:
                     self._set(epoch)
 
     def _answer(self, request: TimeSync, received: ReceivedPacket) -> None:
-        """Tell who asks our time, and in whose name it is told: the requests of others are alike."""
+        """Tell who asks us our time, and in whose name it is told: the requests of others are alike."""
         now = self._clock.now()
-        asked = self._component is not None and request.target.includes(self._component.id)
+        asked = self._component is not None and request.target == self._component.id
         if asked and now - self._answered >= ANSWER_PERIOD_S:
             self._answered = now
             self._send(TimeSync(request.asked, self._nanoseconds(), received.packet.sender), received.link)
