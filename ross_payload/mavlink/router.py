@@ -95,6 +95,7 @@ class Router(AbstractContextManager["Router"]):
         self._local: deque[tuple[int, bytes]] = deque(maxlen=MOST_LOCAL)
         self._sent = SentFrames()
         self._twin: tuple[int, float] | None = None  # component id, when
+        self._autopilots: dict[int, tuple[float, float]] = {}  # by system id: heard since when, and last [s]
         self._suspended = suspended
         self._polled = math.inf  # when, on a clock that goes on while the computer is suspended [s]
         self._stale_until = -math.inf  # [s]: what arrives before was perhaps sent long ago
@@ -188,6 +189,15 @@ class Router(AbstractContextManager["Router"]):
         return self._twin[0]
 
     @property
+    def other_autopilot(self) -> int | None:
+        """The system id of an autopilot that has been heard for a while, and ours has not; None: there is none."""
+        now = self._clock.now()
+        present = {system: since for system, (since, last) in self._autopilots.items() if now - last <= PRESENT}
+        if not self.system_id or self.system_id in present:
+            return None
+        return next((system for system, since in present.items() if now - since > PRESENT), None)
+
+    @property
     def signing_ahead(self) -> str:
         """Why signed peers may be refused in spite of the right key, in words; empty: nothing is known against it."""
         return "" if self._signing is None else self._signing.ahead
@@ -279,7 +289,10 @@ class Router(AbstractContextManager["Router"]):
         self.dispatcher.dispatch(Received(*where, packet, may_order, refusal, arrived.peer, waited))
 
     def _latch(self, link: Channel, packet: Packet) -> None:
-        if self.system_id or link.config.role != "autopilot" or packet.component_id != AUTOPILOT:
+        if link.config.role != "autopilot" or packet.component_id != AUTOPILOT or packet.name != "HEARTBEAT":
             return
-        if packet.name == "HEARTBEAT" and packet.message.autopilot != NO_AUTOPILOT:
-            self.system_id = packet.system_id
+        if packet.message.autopilot != NO_AUTOPILOT:
+            self.system_id = self.system_id or packet.system_id
+            now = self._clock.now()
+            since, last = self._autopilots.get(packet.system_id, (now, now))
+            self._autopilots[packet.system_id] = (since if now - last <= PRESENT else now, now)

@@ -7,6 +7,7 @@ the same calls happen on one thread.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from queue import SimpleQueue
@@ -50,6 +51,7 @@ COMPLAINING = 60.0  # [s] between two words about a signing time that locks peer
 MIRRORING = 0.1  # [s] between two looks into the mirrors
 FLUSHING = 1.0  # [s] at most, until the pump has sent what was said last
 STRANGERS = 16  # that are remembered
+log = logging.getLogger(__name__)
 
 
 def no_recorder(on: bool) -> str:
@@ -144,6 +146,7 @@ class Telemetry:
         self._latest: Input | None = None
         self._strangers: set[ComponentId] = set()
         self._twin: int | None = None
+        self._other_autopilot: int | None = None
         self._trouble = ""  # of the signed links
         self._observing, self._looking, self._mirroring = Every(OBSERVING), Every(LOOKING), Every(MIRRORING)
         self._complaining = Every(COMPLAINING)
@@ -258,6 +261,12 @@ class Telemetry:
         if twin is not None and self._twin is None:
             self._send_text(Severity.ERROR, f"another sender uses our component id {twin}: change one")
         self._twin = twin
+        other = self._links.other_autopilot
+        if other is not None and self._other_autopilot is None:
+            text = f"autopilot ignored: its system id is {other}, not {self._links.system_id}"
+            log.warning("%s", text)
+            self._send_text(Severity.WARNING, text)
+        self._other_autopilot = other
         if (ahead := self._links.signing_ahead) and self._complaining.due(now):
             self._send_text(Severity.WARNING, f"{ahead}: see the log")
         trouble = self._links.trouble

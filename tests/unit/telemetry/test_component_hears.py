@@ -186,6 +186,33 @@ def test_somebody_else_with_our_component_id_is_said_once(aloft) -> None:
     assert said == "RoSS: another sender uses our component id 191: change one"
 
 
+AUTOPILOT = Link(url="udpin:127.0.0.1:14540", role="autopilot")
+BEAT = common.MAVLink_heartbeat_message(2, 3, 0, 0, 3, 3)
+
+
+def test_an_autopilot_of_another_system_is_told_of_once_and_in_the_log(aloft, caplog) -> None:
+    with aloft(GROUND, AUTOPILOT) as sky:
+        for _ in range(14):
+            sky.ports[1].call(None, Encoder(5, 1).encode(BEAT))
+            sky.live(1.0)
+    said = "RoSS: autopilot ignored: its system id is 5, not 1"
+    assert [text for text in sky.ports[0].texts() if "autopilot" in text] == [said]
+    assert [record.message for record in caplog.records if "autopilot" in record.message] == [
+        said.removeprefix("RoSS: ")
+    ]
+
+
+@pytest.mark.parametrize("ids", [(1, 5), (5, 1), (5, 200)])
+def test_other_autopilots_beside_ours_and_what_is_none_are_not_told_of(aloft, ids) -> None:
+    no_autopilot = common.MAVLink_heartbeat_message(6, 8, 0, 0, 3, 3)
+    with aloft(GROUND, AUTOPILOT) as sky:
+        for _ in range(14):
+            for system in ids:
+                sky.ports[1].call(None, Encoder(system, 1).encode(BEAT if 1 in ids else no_autopilot))
+            sky.live(1.0)
+    assert not [text for text in sky.ports[0].texts() if "autopilot" in text]
+
+
 # ---------------------------------------------------------------------------------------------------- how things stand
 
 
