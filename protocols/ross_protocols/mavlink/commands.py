@@ -15,6 +15,7 @@ from ross_protocols.mavlink.field_converters import clockwise
 UNKNOWN_PROGRESS = 255
 HEARD = 128  # from this confirmation on a sender knows that the command has arrived: it asks for its end alone
 MOST_CONFIRMATION = 255  # where a sender stops counting
+NOT_TOLD = 2**31 - 1  # in an integer of COMMAND_INT, what NaN is among its floats
 
 COMMAND_LONG = common.MAVLINK_MSG_ID_COMMAND_LONG
 COMMAND_INT = common.MAVLINK_MSG_ID_COMMAND_INT
@@ -60,13 +61,19 @@ def is_stop(message: Any) -> bool:
 
 
 def command_of(message: Any) -> Command | CancelRequest | None:
-    """Return the command that a message carries; None: it carries none."""
+    """Return the command that a message carries; None: it carries none.
+
+    >>> message = common.MAVLink_command_int_message(1, 154, 0, 1000, 0, 0, 0.0, 30.0, 0.0, 0.0, NOT_TOLD, 0, 1.0)
+    >>> command_of(message).numbers
+    (0.0, 30.0, 0.0, 0.0, nan, 0, 1.0)
+    """
     number = message.get_msgId()
     if number == COMMAND_LONG:
         numbers = tuple(getattr(message, f"param{i}") for i in range(1, 8))
         long, confirmation = True, message.confirmation
     elif number == COMMAND_INT:
-        numbers = (message.param1, message.param2, message.param3, message.param4, message.x, message.y, message.z)
+        x, y = (math.nan if number == NOT_TOLD else number for number in (message.x, message.y))
+        numbers = (message.param1, message.param2, message.param3, message.param4, x, y, message.z)
         long, confirmation = False, 0
     elif number == COMMAND_CANCEL:
         return CancelRequest(message.command, target_of(message))

@@ -23,6 +23,7 @@ from gimbal_bench import (
 )
 from ross_payload.events import Answer, State
 from ross_payload.orders import Cancel, Explore, Rearm, Stop
+from ross_protocols.mavlink.dialect import common
 
 
 @pytest.fixture
@@ -102,6 +103,15 @@ def test_what_cannot_be_meant_is_denied(bench, numbers, result):
     assert one.results(POINT) == [result]
     assert one.results(CONFIGURE) == [DENIED]
     assert one.angle(4.9) == 0.0
+
+
+def test_flags_that_a_command_int_does_not_tell_are_no_order_to_retract(bench):
+    one = bench()
+    not_told = 2**31 - 1
+    message = common.MAVLink_command_int_message(1, 154, 0, POINT, 0, 0, NAN, 50, NAN, NAN, not_told, 0, 1)
+    one.live(8.0, one.ground.say(READY, message))
+    assert one.results(POINT) == [DENIED]
+    assert one.status(7.5).flags == FOLLOW
 
 
 def test_what_it_does_not_know_is_unsupported_unless_all_are_asked(bench):
