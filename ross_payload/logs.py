@@ -28,10 +28,12 @@ from ross_payload.telemetry.status_texts import line
 from ross_payload.token_bucket import TokenBucket
 from ross_protocols.angle_text import bearings, rotation
 from ross_protocols.mavlink.values import Severity
+from ross_protocols.mavlink.vehicle import AUTOPILOT
 
 BURST = 5.0  # warnings of one kind that come through at once
 REPEAT_PERIOD_S = 10.0  # [s] between them in the long run
 KINDS = 256  # of warnings that are told apart
+LOOKS = 10  # at a link to an autopilot, one in a second, until it is said that none is heard
 PRIORITIES = ((logging.CRITICAL, 2), (logging.ERROR, 3), (logging.WARNING, 4), (logging.INFO, 6))  # else 7, debug
 LEVELS = (
     (Severity.CRITICAL, logging.CRITICAL),
@@ -187,6 +189,7 @@ class Changes:
         self._audio = audio
         self._recorder = recorder
         self._links_before: dict[str, tuple[bool, int]] = {}
+        self._unheard: dict[str, int] = {}  # by URL: looks in a row at a link to an autopilot that heard none
         self._trouble = AudioTrouble.NONE
         self._recording = RecordingState.OFF
         self._log = logging.getLogger("ross_payload.condition")
@@ -203,8 +206,21 @@ class Changes:
             if link.twins > twins:
                 self._log.warning("link %s: another sender uses our system and component id", link.url)
             self._links_before[link.url] = link.up, link.twins
+            if link.role == "autopilot" and link.up:
+                self._autopilot(link)
         self._microphones(self._audio())
         self._records(self._recorder())
+
+    def _autopilot(self, link: LinkStatus) -> None:
+        looks = self._unheard.get(link.url, 0)
+        if any(component == AUTOPILOT for _, component in link.peers):
+            if looks >= LOOKS:
+                self._log.info("link %s: an autopilot is heard", link.url)
+            self._unheard[link.url] = 0
+            return
+        self._unheard[link.url] = looks + 1
+        if looks + 1 == LOOKS:
+            self._log.warning("link %s: no autopilot is heard", link.url)
 
     def _microphones(self, now: AudioHealth) -> None:
         begun, over = now.trouble & ~self._trouble, self._trouble & ~now.trouble

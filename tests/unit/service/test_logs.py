@@ -27,6 +27,7 @@ from ross_payload.health import AudioHealth, AudioTrouble, RecordingState, Recor
 from ross_payload.interfaces import Attitude, AudioBlock, Input
 from ross_payload.logs import Changes, LogObserver, Repeats, is_journal, logging_to, words
 from ross_payload.pointing import Pointing
+from ross_protocols.mavlink.component_id import ComponentId
 
 LOG = logging.getLogger("ross_payload.mavlink")
 
@@ -286,6 +287,8 @@ class Way:
     up: bool
     error: str
     twins: int
+    role: str = "ground"
+    peers: tuple = ()
 
 
 class Payload:
@@ -293,10 +296,11 @@ class Payload:
 
     def __init__(self):
         self.up, self.error, self.twins = True, "", 0
+        self.role, self.peers = "ground", ()
         self.ears, self.recorder = AudioHealth(), RecordingStatus()
 
     def links(self):
-        return (Way("tcp:host:1", self.up, self.error, self.twins),)
+        return (Way("tcp:host:1", self.up, self.error, self.twins, self.role, self.peers),)
 
 
 @pytest.fixture
@@ -338,6 +342,18 @@ def test_another_payload_with_our_ids_is_written(watched):
     text = watched(speak)
     assert text.count("\n") == 1
     assert "our system and component id" in text
+
+
+@pytest.mark.parametrize(("role", "lines"), [("autopilot", 1), ("ground", 0)])
+def test_a_link_on_which_no_autopilot_is_heard_is_written_once(written, role, lines):
+    payload = Payload()
+    payload.role, payload.peers = role, (ComponentId(255, 190),)
+    changes = Changes(payload.links, lambda: payload.ears, lambda: payload.recorder)
+    changes.poll()
+    assert written(lambda: [changes.poll() for _ in range(5)]) == "", "one may come"
+    assert written(lambda: [changes.poll() for _ in range(30)]).count("no autopilot is heard") == lines
+    payload.peers += (ComponentId(1, 1),)
+    assert written(lambda: [changes.poll() for _ in range(3)]).count("an autopilot is heard") == lines
 
 
 def test_different_events_are_not_taken_for_repeats(written):
