@@ -29,7 +29,7 @@ LATE_US = 10_000_000  # [us] before the newest of its kind, at most: a frame tha
 REPEATED_US = 86_400_000_000  # [us] before it: what is repeated keeps the time at which it was found
 RESTING = (ross.ROSS_STATE_IDLE, ross.ROSS_STATE_DONE, ross.ROSS_STATE_STOPPED, ross.ROSS_STATE_FAULT)
 MIRROR, AZIMUTHS = "ross_", "ross_az"
-STATUS_TIMEOUT_S = 35.0  # [s] beside mirrors without a status: at the lowest TLM_STATUS_HZ three in a row were lost
+STATUS_TIMEOUT_S = 35.0  # [s] beside others without a status: at the lowest TLM_STATUS_HZ three in a row were lost
 SILENCE_S = 5.0  # [s] between two messages, of which no more counts as time without a status: nothing else came, either
 MOST_POINTS = 60  # of a track
 MOST_TRACKS = 64
@@ -77,6 +77,8 @@ def is_sane(value: values.Value) -> bool:
 def learn(known: PayloadState, value: values.Value, at: float) -> PayloadState:
     """Return what is known after a value that came ``at`` a time [s]; `is_sane` values only."""
     known = _heard(known, at)
+    if isinstance(value, values.Heartbeat | values.Named | values.Array):
+        known = _without_old_status(known)
     match value:
         case values.Status():
             return _status(known, value, at)
@@ -205,16 +207,19 @@ def _azimuths(numbers: Sequence[float]) -> tuple[float, ...]:
     return tuple([*numbers[1 : count + 1], *[0.0] * count][:count])
 
 
-def _without_dialect(known: PayloadState) -> PayloadState:
-    """Forget what our own messages told: the way that is left passes on mirrors alone."""
+def _without_old_status(known: PayloadState) -> PayloadState:
+    """Forget what our own messages told when no status has come for long.
+
+    The way that is left passes on no message of ours, or another station has disabled the status on the link.
+    """
+    if known.status is None or known.without_status <= STATUS_TIMEOUT_S:
+        return known
     fresh = PayloadState(known.who, known.first, known.last, known.boots, known.tunnelled, known.twin, known.counts)
     kept = ("heartbeat", "information", "computer", "texts", "history", "mirrors", "azimuths", "flaws")
     return replace(fresh, **{name: getattr(known, name) for name in kept})
 
 
 def _mirror(known: PayloadState, named: values.Named | values.Array) -> PayloadState:
-    if known.status is not None and known.without_status > STATUS_TIMEOUT_S:
-        known = _without_dialect(known)
     if isinstance(named, values.Array):
         return replace(known, azimuths=_azimuths(named.numbers)) if named.name == AZIMUTHS else known
     if not named.name.startswith(MIRROR):

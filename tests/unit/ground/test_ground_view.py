@@ -187,3 +187,13 @@ def test_a_mirror_that_comes_before_the_status_after_an_outage_changes_nothing()
     known = learn(known, status(k=1, mission_time=510.0), 600.5)
     assert len(known.sources) == len(known.trails) == 1
     assert not view(known)["standing"]["mirrors_only"]
+
+
+def test_when_only_heartbeats_come_any_longer_they_tell_the_state():
+    """Another station has disabled status and mirrors on the link, and is gone."""
+    known = learn(payload(), replace(status(), state=7), 100.0)
+    for at in range(101, 140):
+        known = learn(known, v.Heartbeat(v.Health.STANDBY, state=8), float(at))
+        assert (view(known)["standing"]["state"] == "stopped") == (at > 135)
+    assert view(known)["pointing"]["heading"] is None
+    assert not view(known)["standing"]["mirrors_only"]
