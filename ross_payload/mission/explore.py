@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from ross_payload.angles import wrap, wrap_axis
 from ross_payload.calibration.consistency import contradiction
 from ross_payload.calibration.cross_spectrum import HEARD, heading_spectrum
-from ross_payload.calibration.roll_off_check import roll_off_contradiction
+from ross_payload.calibration.delay_residuals import finer_contradiction
 from ross_payload.events import ArrayContradicted, Doubted, Estimate, State
 from ross_payload.mission.context import Context, FrameChanged, Step, listen
 from ross_payload.mission.explore_turning import explore_turning
@@ -61,11 +61,11 @@ def check_array(context: Context) -> None:
     explored = (heading_spectrum(each.samples, settings.rate, each.heading) for each in context.explored)
     spectra = [each for each in explored if each is not None and each.coherence >= HEARD]
     found = contradiction(spectra, settings.spacing, settings.speed_of_sound, level=settings.level)
-    roll_off = None if found.geometry or not settings.level else _roll_off(context)
-    if found or roll_off is not None:
+    wider, roll_off = (None, None) if found.geometry or not settings.level else _finer(context)
+    if found or wider is not None or roll_off is not None:
         told = ArrayContradicted(
             context.time,
-            found.spacing,
+            found.spacing if wider is None else wider * settings.spacing,
             settings.spacing,
             found.gain_db,
             found.inverted,
@@ -76,12 +76,12 @@ def check_array(context: Context) -> None:
         context.publish(told)
 
 
-def _roll_off(context: Context) -> float | None:
-    """By how much microphone 2 rolls off above microphone 1 [Hz], where that is sure, by what was heard at rest."""
+def _finer(context: Context) -> tuple[float | None, float | None]:
+    """Times by which the array is wider than configured, and its difference of roll-off [Hz], by what rested."""
     settings = context.settings
     heard = ((each.heading, each.samples) for each in context.explored if each.spread <= STEADY and not each.deaf)
     believed = context.beliefs[-1] if context.beliefs else Estimate(())
-    return roll_off_contradiction(heard, believed, settings.rate, settings.spacing / settings.speed_of_sound)
+    return finer_contradiction(heard, believed, settings.rate, settings.spacing / settings.speed_of_sound)
 
 
 def _orientations(context: Context) -> Step[tuple[Estimate, int | None]]:

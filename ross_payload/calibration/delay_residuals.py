@@ -1,16 +1,17 @@
-"""How differently two microphones roll off, heard from several talkers whose azimuths are about known.
+"""What talkers whose azimuths are about known tell of the array: its spacing, and how differently it rolls off.
 
-Where one talker rules a bin of frequency f its phase is, with the unit ``u = d / v_p`` and amplitudes a of 1 at most,
+Where one talker rules a bin of frequency f its phase is, with the unit ``u = d / v_p`` as it is configured,
 
     2 pi f (u a_k cos(theta_k - phi) + tau_0) + f_0 / f.
 
-Elevations and reflections shorten delays, and azimuths that an explorer has found without f_0 are off by it. So all of
-these are corrected together by least squares (Gauss-Newton), and what they leave at each heading tells how sure f_0 is
-(delete-one jackknife; Efron 1982).
+Elevations and reflections make amplitudes a smaller than 1; only a wider array, or colder air, makes them larger.
+Azimuths that an explorer has found without f_0 are off by it. So all of these are corrected together by least squares
+(Gauss-Newton), and what they leave at each heading tells how sure they are (delete-one jackknife; Efron 1982).
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -25,13 +26,14 @@ from ross_payload.interfaces import Real, Samples
 
 FRAME = 0.05  # [s], rounded to a power of two in samples
 RULED = Trust(neighbourhood=(3, 3), coherence=0.99)  # bins that one talker rules
-NEAR = (0.25, 0.25, 0.15, 0.15)  # from the delay of a talker, round by round [u]
+NEAR = (0.25, 0.15, 0.15)  # from the delay of a talker, round by round [u]
 APART = 1.6  # times as far must that of any other talker be
 FEWEST = 200  # bins
 HEADINGS = 7
 TALKERS = 2  # the reflections of one alone may all say the same
 WORTH_HZ = 15.0  # a word: 1.7 deg of phase at 500 Hz
 SURE = 5.0  # standard deviations
+WIDER = 1.04  # times the configured spacing: from there on sources appear where nobody is
 RIDGE = 1e-9
 MICRO = 1e-6
 
@@ -44,29 +46,41 @@ class Bins:
     delay: Real  # [u]
     weight: Real
     heading: Real  # [rad]
+    stretch: Real  # which of what was heard it is from, from 0, rising
 
 
-def roll_off_contradiction(
+@dataclass(frozen=True, slots=True)
+class Residuals:
+    """What the delays of several talkers leave unexplained; every ``_sigma`` is one standard deviation."""
+
+    wider: float  # median of the talkers' amplitudes a
+    wider_sigma: float
+    roll_off: float  # f_0: of microphone 2 above microphone 1 [Hz]
+    roll_off_sigma: float
+
+
+def finer_contradiction(
     heard: Iterable[tuple[float, Samples]], found: Estimate, rate: int, unit: float
-) -> float | None:
-    """By how much microphone 2 rolls off above microphone 1 [Hz]; None where that is not sure, or not worth a word.
+) -> tuple[float | None, float | None]:
+    """Times by which the array is wider than configured, at least, and its difference of roll-off [Hz].
 
-    Both are judged more strictly where reverberation widens the standard deviations of azimuths. Parameters as of
-    `roll_off_apart`.
+    None where one is not sure, or not worth a word. The roll-off is judged more strictly where reverberation widens the
+    standard deviations of azimuths. Parameters as of `residuals_of`.
     """
     if found.k < TALKERS:
-        return None
-    wider = float(np.median([source.sigma / source.nominal for source in found.sources]))
-    told = roll_off_apart(heard, np.array([source.azimuth for source in found.sources]), rate, unit)
-    if told is None or abs(told[0]) < max(WORTH_HZ * wider**2, SURE * wider * told[1]):
-        return None
-    return told[0]
+        return None, None
+    left = residuals_of(heard, np.array([source.azimuth for source in found.sources]), rate, unit)
+    if left is None:
+        return None, None
+    wet = float(np.median([source.sigma / source.nominal for source in found.sources]))
+    if left.wider > max(WIDER, 1 + SURE * left.wider_sigma):  # its delays tell nothing finer then
+        return left.wider, None
+    unequal = abs(left.roll_off) > max(WORTH_HZ * wet**2, SURE * wet * left.roll_off_sigma)
+    return None, left.roll_off if unequal else None
 
 
-def roll_off_apart(
-    heard: Iterable[tuple[float, Samples]], azimuths: Real, rate: int, unit: float
-) -> tuple[float, float] | None:
-    """By how much microphone 2 rolls off above microphone 1 [Hz], and one standard deviation.
+def residuals_of(heard: Iterable[tuple[float, Samples]], azimuths: Real, rate: int, unit: float) -> Residuals | None:
+    """Correct azimuths, amplitudes, delay and roll-off together by what was heard.
 
     Parameters
     ----------
@@ -77,11 +91,11 @@ def roll_off_apart(
     rate
         Of the samples [Hz].
     unit
-        d / v_p [s].
+        d / v_p as configured [s].
 
     Returns
     -------
-    tuple or None
+    Residuals or None
         None when too little was heard, or at too few headings.
     """
     bins = _bins(heard, rate, unit)
@@ -92,20 +106,21 @@ def roll_off_apart(
     k = len(azimuths)
     found = np.concatenate([azimuths, np.ones(k), np.zeros(2)])
     for near in NEAR:
-        slopes, left, weight, at = _linearised(bins, found, unit, near)
+        slopes, left, weight, stretch = _linearised(bins, found, unit, near)
         if len(left) < FEWEST:
             return None
         if not late:
             slopes[:, -2] = 0.0
-        sums = [_sums(slopes[at == heading], left[at == heading], weight[at == heading]) for heading in headings]
+        sums = [_sums(slopes[part], left[part], weight[part]) for part in _parts(stretch)]
         squares, products = (np.array(each) for each in zip(*sums, strict=True))
         ridge = RIDGE * float(np.trace(squares.sum(axis=0))) * np.eye(2 * k + 2)
         change = np.linalg.solve(squares.sum(axis=0) + ridge, products.sum(axis=0))
         found = found + change
     without = squares.sum(axis=0) - squares + ridge, products.sum(axis=0) - products
-    others = np.linalg.solve(without[0], without[1][..., None])[:, -1, 0]
-    n = len(headings)
-    return float(found[-1]), math.sqrt((n - 1) * float(np.var(others)))
+    others = found + np.linalg.solve(without[0], without[1][..., None])[..., 0]
+    wider, n = np.median(others[:, k : 2 * k], axis=1), len(sums)
+    sigmas = (math.sqrt((n - 1) * float(np.var(each))) for each in (wider, others[:, -1]))
+    return Residuals(float(np.median(found[k : 2 * k])), next(sigmas), float(found[-1]), next(sigmas))
 
 
 def _bins(heard: Iterable[tuple[float, Samples]], rate: int, unit: float) -> Bins:
@@ -114,17 +129,18 @@ def _bins(heard: Iterable[tuple[float, Samples]], rate: int, unit: float) -> Bin
     used = band(stft.frequencies, *band_limits(unit, 1.0))
     frequencies = stft.frequencies[used]
     parts = []
-    for heading, samples in heard:
+    for stretch, (heading, samples) in enumerate(heard):
         if samples.shape[1] >= 2 * frame:
             spectrogram = stft.analyse(samples)[:, used]
             delay, weight = weighted_itd(spectrogram, frequencies, stft.period, None, RULED)
             i, j = np.nonzero(weight)
-            parts.append(np.stack([frequencies[i], delay[i, j] / unit, weight[i, j], np.full(len(i), heading)]))
-    return Bins(*np.concatenate([np.zeros((4, 0)), *parts], axis=1))
+            same = np.full((2, len(i)), [[heading], [stretch]])
+            parts.append(np.stack([frequencies[i], delay[i, j] / unit, weight[i, j], *same]))
+    return Bins(*np.concatenate([np.zeros((5, 0)), *parts], axis=1))
 
 
 def _linearised(bins: Bins, found: Real, unit: float, near: float) -> tuple[Real, Real, Real, Real]:
-    """Slopes of the phase by every parameter (n, 2 k + 2), phases left over, weights, and headings.
+    """Slopes of the phase by every parameter (n, 2 k + 2), phases left over, weights, and stretches.
 
     Parameters are azimuths [rad], amplitudes, the delay [us] and the roll-off [Hz].
     """
@@ -142,7 +158,17 @@ def _linearised(bins: Bins, found: Real, unit: float, near: float) -> tuple[Real
     slopes[n, k + talker] = turn * np.cos(around[talker, n])
     slopes[:, -2] = turn * MICRO / unit
     slopes[:, -1] = 1 / bins.frequency[alone]
-    return slopes, turn * away[talker, n], bins.weight[alone] / turn, bins.heading[alone]
+    return slopes, turn * away[talker, n], bins.weight[alone] / turn, bins.stretch[alone]
+
+
+def _parts(stretch: Real) -> list[slice]:
+    """Where every stretch of which there is something begins and ends.
+
+    >>> _parts(np.array([0.0, 0.0, 2.0]))
+    [slice(0, 2, None), slice(2, 3, None)]
+    """
+    ends = [0, *(np.flatnonzero(np.diff(stretch)) + 1).tolist(), len(stretch)]
+    return [slice(*pair) for pair in itertools.pairwise(ends)]
 
 
 def _sums(slopes: Real, left: Real, weight: Real) -> tuple[Real, Real]:

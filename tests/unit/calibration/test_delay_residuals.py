@@ -1,4 +1,4 @@
-"""Several talkers, whose azimuths are about known, tell how differently the microphones roll off."""
+"""Several talkers, whose azimuths are about known, tell the spacing and how differently the microphones roll off."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import butter, lfilter
 
 from mission_bench import SETTINGS
-from ross_payload.calibration.roll_off_check import roll_off_apart, roll_off_contradiction
+from ross_payload.calibration.delay_residuals import finer_contradiction, residuals_of
 from ross_payload.events import ArrayContradicted, Estimate, SourceEstimate
 from ross_payload.mission import explore
 from ross_payload.mission.context import Context, Listening
@@ -45,34 +45,47 @@ def believed(azimuths, *, sigma=0.01, nominal=0.01):
 @pytest.mark.parametrize("corners", [(20.0, 60.0), (80.0, 30.0)])
 def test_the_difference_is_told_though_the_azimuths_are_off_by_it(voices, corners):
     off = TALKERS + np.deg2rad([2.0, -3.0, 2.0])
-    found = roll_off_contradiction(heard(voices, corners=corners), believed(off), RATE, UNIT)
-    assert found == pytest.approx(corners[1] - corners[0], abs=6.0)
+    wider, roll_off = finer_contradiction(heard(voices, corners=corners), believed(off), RATE, UNIT)
+    assert wider is None
+    assert roll_off == pytest.approx(corners[1] - corners[0], abs=6.0)
 
 
 def test_microphones_that_are_alike_are_not_doubted(voices):
-    found, sigma = roll_off_apart(heard(voices), TALKERS, RATE, UNIT)
-    assert abs(found) < max(4 * sigma, 5.0)
-    assert roll_off_contradiction(heard(voices), believed(TALKERS), RATE, UNIT) is None
+    found = residuals_of(heard(voices), TALKERS, RATE, UNIT)
+    assert abs(found.roll_off) < max(4 * found.roll_off_sigma, 5.0)
+    assert found.wider == pytest.approx(1.0, abs=0.01)
+    assert finer_contradiction(heard(voices), believed(TALKERS), RATE, UNIT) == (None, None)
 
 
 def test_one_talker_is_not_believed(voices):
-    assert roll_off_contradiction(heard(voices[:1], corners=(0, 60)), believed(TALKERS[:1]), RATE, UNIT) is None
+    assert finer_contradiction(heard(voices[:1], corners=(0, 60)), believed(TALKERS[:1]), RATE, UNIT) == (None, None)
 
 
 def test_a_reverberant_room_has_to_say_more(voices):
     estimate = believed(TALKERS, sigma=0.02)
-    assert roll_off_contradiction(heard(voices, corners=(0, 40)), estimate, RATE, UNIT) is None
+    assert finer_contradiction(heard(voices, corners=(0, 40)), estimate, RATE, UNIT) == (None, None)
 
 
 def test_a_delay_is_no_roll_off(voices):
     turn = np.deg2rad(20.0) * np.arange(10)  # far enough to tell the two apart
-    found, _ = roll_off_apart(heard(voices, delay=5e-6, turn=turn), TALKERS, RATE, UNIT)
-    assert abs(found) < 10.0
+    assert abs(residuals_of(heard(voices, delay=5e-6, turn=turn), TALKERS, RATE, UNIT).roll_off) < 10.0
 
 
 def test_talkers_above_the_array_have_shorter_delays_and_no_other_roll_off(voices):
-    found, _ = roll_off_apart(heard(voices, spacing=0.043), TALKERS, RATE, UNIT)  # 30 deg up
-    assert abs(found) < 8.0
+    found = residuals_of(heard(voices, spacing=0.043), TALKERS, RATE, UNIT)  # 30 deg up
+    assert abs(found.roll_off) < 8.0
+    assert found.wider == pytest.approx(0.86, abs=0.01)
+    assert finer_contradiction(heard(voices, spacing=0.043), believed(TALKERS), RATE, UNIT) == (None, None)
+
+
+@pytest.mark.parametrize("spacing", [0.053, 0.058])
+def test_an_array_that_is_a_little_wider_than_configured_is_noticed(voices, spacing):
+    off = TALKERS + np.deg2rad([2.0, -2.0, 1.0])
+    wider, roll_off = finer_contradiction(heard(voices, spacing=spacing), believed(off), RATE, UNIT)
+    assert wider == pytest.approx(spacing / 0.05, rel=0.02)
+    assert roll_off is None
+    (event,) = explored(voices, spacing=spacing)
+    assert f"spacing seems {1e3 * event.spacing:.0f} mm, not 50" in line(event)[1]
 
 
 def test_what_scatters_from_heading_to_heading_is_not_said(voices):
@@ -82,20 +95,24 @@ def test_what_scatters_from_heading_to_heading_is_not_said(voices):
             samples[1] = lfilter(*butter(1, corner, "highpass", fs=RATE), samples[1]) if corner else samples[1]
             yield heading, samples
 
-    assert abs(roll_off_apart(wavering(), TALKERS, RATE, UNIT)[0]) > 15
-    assert roll_off_contradiction(wavering(), believed(TALKERS), RATE, UNIT) is None
+    assert abs(residuals_of(wavering(), TALKERS, RATE, UNIT).roll_off) > 15
+    assert finer_contradiction(wavering(), believed(TALKERS), RATE, UNIT) == (None, None)
+    narrow, wide = list(heard(voices)), list(heard(voices, spacing=0.061))
+    breathing = [(narrow, wide)[index % 2][index] for index in range(len(TURN))]
+    assert residuals_of(breathing, TALKERS, RATE, UNIT).wider > 1.04
+    assert finer_contradiction(breathing, believed(TALKERS), RATE, UNIT)[0] is None
 
 
 @pytest.mark.parametrize("turn", [TURN[:6], TURN[:0]])
 def test_a_few_headings_tell_nothing(voices, turn):
-    assert roll_off_apart(heard(voices, turn=turn), TALKERS, RATE, UNIT) is None
+    assert residuals_of(heard(voices, turn=turn), TALKERS, RATE, UNIT) is None
 
 
 def test_silence_and_stretches_that_are_too_short_tell_nothing(voices):
     silent = [(heading, 0 * samples) for heading, samples in heard(voices)]
     short = [(heading, samples[:, :500]) for heading, samples in heard(voices)]
-    assert roll_off_apart(silent, TALKERS, RATE, UNIT) is None
-    assert roll_off_apart(short, TALKERS, RATE, UNIT) is None
+    assert residuals_of(silent, TALKERS, RATE, UNIT) is None
+    assert residuals_of(short, TALKERS, RATE, UNIT) is None
 
 
 def explored(voices, *, settings=SETTINGS, spread=0.0, **like):
