@@ -22,11 +22,13 @@ actuator or a file that cannot be written, 130 stopped by the user."""
 
 @click.command("calibrate", short_help="Measure the array by turning: spacing, offset, gain, polarity.", epilog=EPILOG)
 @click.argument("config", type=click.Path(path_type=Path))
-@click.option("--azimuth", type=Number(), metavar="DEG", help="Where the sound is, in compass degrees; else no offset.")
+@click.option("--azimuth", type=Number(), metavar="DEG", help="Of the sound, as on a compass; gives the offset.")
 @click.option("--elevation", type=NumberRange(-80, 80), default=0.0, metavar="DEG", help="Of the sound; default 0.")
 @click.option("--turn", type=NumberRange(90, 360), default=360.0, metavar="DEG", help="How far; default 360.")
-@click.option("--headings", type=click.IntRange(6, 72), default=12, help="At which it listens; default 12.")
-@click.option("--listen", "seconds", type=NumberRange(0.6, 30), default=2.0, metavar="S", help="At each; default 2.")
+@click.option("--headings", type=click.IntRange(6, 72), default=12, help="How many; default 12.")
+@click.option(
+    "--listen", "seconds", type=NumberRange(0.6, 30), default=2.0, metavar="S", help="Seconds at each; default 2."
+)
 @click.option("--home", is_flag=True, help="Have the actuator find or declare its zero first; it may turn.")
 @click.option("--session", type=click.Path(path_type=Path), help="Use a recorded session; nothing turns.")
 @click.option("--recording", type=click.Path(path_type=Path), help="Use an audio file; nothing turns. See --angles.")
@@ -39,7 +41,7 @@ actuator or a file that cannot be written, 130 stopped by the user."""
 def command(
     *, config: Path, azimuth: float | None, elevation: float, writing: bool, as_json: bool, **asked: Any
 ) -> int:
-    """Turn the array of a payload's TOML file CONFIG while one steady sound plays, and tell what the array is like.
+    """Turn the array of a payload's TOML file CONFIG while one steady sound plays, and measure the array.
 
     The sound is a phone with noise, or one person who talks all the time, as high as the array and 1 to 3 m away.
     Everything passes the guard of the configuration. Run it while the payload is not running.

@@ -66,7 +66,7 @@ def actuators_command(context: click.Context, as_json: bool) -> None:
 @click.option("--yes", is_flag=True, help="Do not ask for confirmation.")
 @click.option("--json", is_flag=True, help="Print JSON.")
 def probe_command(*, config: Path, move: bool, home: bool, yes: bool, json: bool) -> int:
-    """Open the actuator of a payload's TOML file CONFIG and tell what it is, what it reports, and how well it moves.
+    """Open the actuator of a payload's TOML file CONFIG and show what it is, what it reports, and how well it moves.
 
     Nothing moves without --move or --home. Everything passes the guard of the configuration. Run it while the payload
     is not running.

@@ -90,7 +90,7 @@ def microphones(config: Config, clock: Clock) -> Iterator[Finding]:
 def _other_rate(config: Config, lost: int, heard_s: float) -> tuple[Verdict, str, str]:
     """What is told when more samples are lost, or come too fast, than a computer that is too busy misses."""
     rate = config.audio.rate_hz
-    todo = f"has what arrives another rate than audio.rate_hz = {rate}? if not, raise audio.latency_ms"
+    todo = f"does the source send at another rate than audio.rate_hz = {rate}? if not, raise audio.latency_ms"
     return Verdict.WARN, f"{lost / rate:.1f} s of samples lost, or too many, in {heard_s:.0f} s", todo
 
 
@@ -140,7 +140,7 @@ def array(config: Config, machine: Machine) -> Iterator[Finding]:
         found = f"spacing_m is {1e3 * told:.1f} mm, but {apart}"
         yield warn("array", found, "leave array.spacing_m out, or measure it: `ross calibrate`")
     elif known is None and "spacing_m" not in config.array.model_fields_set:
-        found = f"nobody told the spacing: {1e3 * told:.0f} mm is assumed"
+        found = f"the spacing is not configured: {1e3 * told:.0f} mm is assumed"
         yield warn("array", found, "array.spacing_m: use a ruler, then `ross calibrate`")
     else:
         of = f" of '{preset}'" if preset else ""

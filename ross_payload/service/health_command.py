@@ -11,15 +11,15 @@ import click
 EPILOG = "Exit codes: 0 it runs and makes progress, 1 it makes none, or no payload answers, 2 bad input."
 
 
-@click.command("health", short_help="Ask the payload that runs here how it is.", epilog=EPILOG)
+@click.command("health", short_help="Show how the payload on this computer is.", epilog=EPILOG)
 @click.argument("config", metavar="[CONFIG]", type=click.Path(path_type=Path), required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 def command(config: Path | None, as_json: bool) -> int:
-    """Ask the payload that runs here how it is: progress, state of its mission, microphones, links, recorder.
+    """Show how the payload on this computer is: progress, state of its mission, microphones, links, recorder.
 
-    It is asked by a socket in the state folder: that of the TOML file CONFIG, else $STATE_DIRECTORY, else
-    ~/.local/state/ross. Run it as the user of the payload. A mission in its fault state, a microphone that is dead and
-    a link that is down are told, and are no reason to start the payload again: only missing progress is.
+    It asks through a socket in the state folder: that of the TOML file CONFIG, else $STATE_DIRECTORY, else
+    ~/.local/state/ross. Run it as the user of the payload. It also shows a mission in its fault state, a microphone
+    that is dead and a link that is down, but only missing progress is a reason to restart the payload.
     """
     from ross_payload.service.health_socket import NAME, asked
     from ross_payload.service.state_folder import named_folder

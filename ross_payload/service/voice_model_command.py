@@ -15,8 +15,8 @@ LONGEST = 200  # of what a file says of itself [characters]
 def command() -> None:
     """Networks that compare voices: ONNX files, as they are published for speaker verification.
 
-    The one that was added is used by itself; [voice_print] model chooses where there are several. Prints that
-    another model made are enrolled again.
+    A network that was added is used by default; [voice_print] model chooses one of several. Voices that were
+    enrolled with another model must be enrolled again.
     """
 
 
@@ -36,7 +36,7 @@ def add(file: Path, calibration: Path | None) -> None:
 
 @command.command("list")
 def show() -> None:
-    """List the models, the one that is used by itself with a star."""
+    """List the models; a star marks the one that is used by default."""
     from ross_payload.voiceprint.model_folder import ModelFolder
 
     folder = ModelFolder.default()

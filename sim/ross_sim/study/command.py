@@ -48,7 +48,7 @@ def _executed(function: Any) -> Any:
     """Options of a study whose tasks can be shared out."""
     shard = click.option("--shard", type=ShardNumber(), help="Do this share of the tasks alone: 1/4, 2/4, ...")
     engine = click.option(
-        "--engine", type=EngineName(), default="processes", help="Who does the tasks; default: processes."
+        "--engine", type=EngineName(), default="processes", help="What runs the tasks; default: processes."
     )
     workers = click.option(
         "--workers", type=click.IntRange(1, 256), help="Processes of this computer; default: one per core."
