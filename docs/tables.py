@@ -1,5 +1,6 @@
 """Prints the tables of docs/reference/configuration.md from the models; a test compares the page with them."""
 
+import json
 import sys
 import tokenize
 from pathlib import Path
@@ -34,8 +35,7 @@ def default(value) -> str:
     if value.is_required():
         return "*required*"
     shown = value.get_default(call_default_factory=True)
-    shown = str(shown).lower() if isinstance(shown, bool) else shown
-    return "" if shown in (None, {}, (), "") else f"`{shown}`"
+    return "" if shown in (None, {}, (), "") else f"`{json.dumps(shown)}`"
 
 
 def options() -> list[str]:

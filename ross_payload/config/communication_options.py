@@ -74,7 +74,7 @@ class Recording(Table):
 
 
 class Dronecan(Table):
-    """[dronecan]: the payload as a node on a DroneCAN bus; every node on the bus can command it."""
+    """[dronecan]: the payload as a node on a DroneCAN bus; no node can turn the array, any may set parameters."""
 
     port: Annotated[str, Field(pattern="^(can:.+)?$")] = ""  # can:INTERFACE:CHANNEL[:BITRATE]; empty: no node
     node_id: Annotated[int, Field(ge=0, le=125)] = (
