@@ -65,7 +65,7 @@ class Explore(Order):
 
 @dataclass(frozen=True, slots=True)
 class Listen(Order):
-    """Listen to a source of the latest estimate, to whoever is at an azimuth, or to the enrolled voice."""
+    """Listen to a source of the latest estimate, to the talker at an azimuth, or to the enrolled voice."""
 
     number = ross.MAV_CMD_ROSS_LISTEN
     name = "listen"

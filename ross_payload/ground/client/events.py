@@ -25,7 +25,7 @@ class SourceEstimate:
 
     source: int  # its index in the estimate: what `Payload.listen_to` wants
     azimuth_deg: float
-    mirror_deg: float | None  # where it may be instead; None: it is told from its mirror image
+    mirror_deg: float | None  # where it may be instead; None: the mirror image is ruled out
     sigma_deg: float
     confidence: float  # probability that a talker is within 10 deg
     earth: bool  # azimuths count from north

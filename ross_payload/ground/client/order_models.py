@@ -81,7 +81,7 @@ class OrderModel(BaseModel):
 
 
 class ListenOrder(OrderModel):
-    """Listen to a source of the latest estimate, to whoever is at an azimuth, or else to the enrolled voice."""
+    """Listen to a source of the latest estimate, to the talker at an azimuth, or else to the enrolled voice."""
 
     model_config = ConfigDict(json_schema_extra={"not": {"required": ["source", "azimuth"]}})
     makes = command_types.Listen

@@ -21,11 +21,12 @@ REFERENCE = "#/components/schemas/{model}"
 EVERYWHERE = (400, 401, 403, 421, 422, 429, 500)  # what may go wrong with every operation
 OF_BODIES = (408, 413, 415)
 ABOUT = """\
-What the page of `ross ground` shows and orders, for other programs. It speaks for payloads that are received over
-MAVLink; angles are degrees, clockwise, and times seconds on the clock of the ground process.
+Other programs read here what the page of `ross ground` shows, and give the orders that its buttons give. Payloads are
+those that are received over MAVLink; angles are degrees, clockwise, and times seconds on the clock of the ground
+process.
 
-An order goes the way of one from the page: whoever has control may order, everyone may stop, and the payload's own
-words say why something was refused. What cannot be done is answered with a problem (RFC 9457).
+An order is treated like one from the page: only the program or browser in control may order, everyone may stop, and a
+refusal has the payload's own words. A request that cannot be carried out is answered with a problem (RFC 9457).
 """
 TOKEN_ABOUT = "The token of the page, where it needs one; the cookie of the page will do, too."  # noqa: S105
 

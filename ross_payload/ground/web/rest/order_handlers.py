@@ -65,7 +65,7 @@ async def stop_payload(call: Call, where: OfPayload) -> page_answers.OrderStatus
     """Stop: decelerate now, and refuse to move until re-armed.
 
     It needs no body and no control, and also goes to a payload that was not received yet, for half a minute. A body, a
-    content type or a query that comes with it is not looked at.
+    content type or a query that comes with it is ignored.
     """
     return told_of(call.operator.give(where.who, Stop()))
 

@@ -88,13 +88,13 @@ class Source(Answer):
 
     source: Index
     azimuth: Degrees
-    mirror: Degrees | None = Field(description="where it may be instead; null: it is told from its mirror image")
+    mirror: Degrees | None = Field(description="where it may be instead; null: the mirror image is ruled out")
     sigma: float | None = Field(description="[deg]")
     elevation: float | None = Field(description="[deg], upwards")
     confidence: float | None = Field(description="probability that a talker is within 10 deg")
     weight: float | None = Field(description="share of the sound, 0 to 1")
     score: float | None
-    resolved: bool = Field(description="it is told from its mirror image")
+    resolved: bool = Field(description="the mirror image is ruled out")
     target: bool = Field(description="it is the enrolled voice")
     final: bool = Field(description="the exploration is over")
     earth: bool
