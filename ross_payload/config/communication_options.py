@@ -16,7 +16,7 @@ class Link(Table):
 
     url: str  # udpin:, udpout:, tcp: or tcpin:host:port, serial:device:baud or serial:device:auto
     role: Literal["ground", "autopilot"] = (
-        "ground"  # autopilot: attitude and system id come from it; ROSS_* ride in TUNNEL
+        "ground"  # autopilot: attitude and system id come from it; ROSS_* are sent in TUNNEL
     )
     key_file: str = ""  # 32 bytes or 64 hex digits, mode 0600: sign what is sent, accept only what is signed with it
     accept: tuple[SystemId, ...] = ()  # system ids that may send commands, others are only received; empty: all
