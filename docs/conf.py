@@ -29,6 +29,7 @@ html_title = f"RoSS payload {release}"
 templates_path = ["_templates"]  # the place that the theme has for versions
 html_context = {"versions": os.environ.get("ROSS_DOCS_VERSIONS", "").split()}  # told by site.py
 html_static_path = ["_static"]
+html_css_files = ["manual.css"]
 html_math_renderer = "mathml"
 exclude_patterns = ["_build"]
 nitpicky = True
