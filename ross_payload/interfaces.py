@@ -71,7 +71,7 @@ class AudioFlag(IntFlag):
     MISSING = 4  # samples that never came, replaced by zeros
 
 
-UNHEARD = AudioFlag.INVALID | AudioFlag.MISSING  # zeros stand for some samples
+UNHEARD = AudioFlag.INVALID | AudioFlag.MISSING  #: zeros stand for some samples
 
 
 @dataclass(frozen=True, slots=True)
