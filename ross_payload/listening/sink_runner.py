@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -26,6 +27,7 @@ KINDS: dict[str, type | tuple[type, ...]] = {  # by the annotation
     "SinkInfo": SinkInfo, "str": str, "int": Integral, "int | None": (Integral, type(None)), "float": Real,
 }  # fmt: skip
 FIELDS = tuple((each.name, str(each.type)) for each in fields(SinkInfo))
+MOST = {"port": 0xFFFF, "rate": 0xFFFF_FFFF}  # of a number that telemetry has no more room for
 
 log = logging.getLogger(__name__)
 Make = Callable[[], AudioSink]
@@ -147,7 +149,11 @@ class DirectRunner:
         info, fault = info_of(sink), sink.fault
         _expect("info", info, "SinkInfo")
         for name, kind in FIELDS:
-            _expect(f"info.{name}", getattr(info, name), kind)
+            value = getattr(info, name)
+            _expect(f"info.{name}", value, kind)
+            if isinstance(value, Integral) and not 0 <= int(value) <= MOST.get(name, math.inf):
+                limit = f"0 to {MOST[name]}" if name in MOST else "0 or more"
+                raise PluginError(f"the sink's info.{name}: expected {limit}, got {value}")
         _expect("fault", fault, "str")
         self._info = info
         self._fail(fault)
