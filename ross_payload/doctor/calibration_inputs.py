@@ -101,6 +101,9 @@ def _table(path: Path) -> Iterator[tuple[int, float, float, float]]:
     lines = [(number, line) for number, line in lines if any(line)]
     names = lines[0][1] if lines else []
     wanted = ", ".join(COLUMNS)
+    for name in COLUMNS:
+        if names.count(name) > 1:
+            raise ConfigError(f"{path}: expected one column {name}, got {names.count(name)}")
     there = "" if set(COLUMNS) <= set(names) else f", got the columns {shown(', '.join(names))}"
     for number, line in lines[1:]:
         cells = dict(zip(names, line, strict=False))

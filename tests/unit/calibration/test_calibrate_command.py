@@ -54,7 +54,8 @@ def test_it_says_what_differs_and_writes_nothing_unasked(files, monkeypatch, cap
 
 def test_a_table_written_by_hand_may_have_spaces_and_blank_lines(files, monkeypatch, capsys):
     table = files[2]
-    table.write_text("\n \n" + table.read_text().replace(",", " , ").replace("\n", "\n\n") + ",,\n")
+    head, *lines = table.read_text().replace(",", " , ").splitlines()
+    table.write_text("\n \n" + "\n\n".join([head, *(f"{line},," for line in lines), ",,\n"]))
     code, out, err = called(monkeypatch, capsys, *offline(files))
     assert (code, err) == (0, "")
     assert "64.0" in out
@@ -69,6 +70,7 @@ def test_a_table_written_by_hand_may_have_spaces_and_blank_lines(files, monkeypa
         ),
         ("from_s,to_s,joint_deg\n\n0,1,north\n", "turn.csv: line 3: expected numbers"),
         ("from_s,to_s,joint_deg\n0.1,2.5,7\n", "expected one angle at a time, got 0 and 7"),
+        ("from_s,to_s,joint_deg,joint_deg\n0,2,1,7\n", "turn.csv: expected one column joint_deg, got 2"),
         ("from_s,to_s,joint_deg\n0,2,1,7\n", "turn.csv: line 2: expected 3 columns, got 4"),
     ],
 )
