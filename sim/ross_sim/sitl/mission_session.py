@@ -94,7 +94,7 @@ def perform(
     Raises
     ------
     ActuatorError
-        When the actuator cannot be opened, or not be closed where no results are wanted; else see `Finished`.
+        When the actuator cannot be opened; when it cannot be closed, see `Finished`.
     KeyboardInterrupt
         When a second signal to end comes before the results are written; there are none then.
     OutputError
@@ -104,7 +104,7 @@ def perform(
         wall = SystemClock()
         started = wall.now()
         draw = _picture(scenario) if out is not None else None
-        with _Closing(kept=out is not None) as closing, ExitStack() as stack, computing():
+        with _Closing() as closing, ExitStack() as stack, computing():
             staged = _staged(
                 stack, scenario, company, view, out, speed=speed, record=record, page=page, tracker=tracker, cache=cache
             )
@@ -136,9 +136,8 @@ def perform(
 
 @dataclass(slots=True)
 class _Closing:
-    """Keeps an error of the actuator that comes when the mission is over: its results are to be written first."""
+    """Keeps an error of the actuator that comes when the mission is over: its outcome is to be told first."""
 
-    kept: bool
     over: bool = False
     error: ActuatorError | None = None
 
@@ -146,7 +145,7 @@ class _Closing:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> bool:
-        if self.kept and self.over and isinstance(error, ActuatorError):
+        if self.over and isinstance(error, ActuatorError):
             self.error = error
         return self.error is not None
 
