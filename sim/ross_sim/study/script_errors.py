@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from ross_payload.atomic_files import write_whole
+from ross_payload.bounded_files import printable
 from ross_payload.errors import ConfigError, OutputError, RossError, refused_as
 
 
@@ -31,9 +32,9 @@ def told_in_a_line() -> Iterator[None]:
     try:
         yield
     except OutputError as error:
-        raise click.ClickException(str(error)) from error
+        raise click.ClickException(printable(str(error))) from error
     except RossError as error:
-        raise Refused(str(error)) from error
+        raise Refused(printable(str(error))) from error
 
 
 @contextmanager
@@ -48,9 +49,9 @@ def told_by(parser: ArgumentParser) -> Iterator[None]:
     try:
         yield
     except OutputError as error:
-        parser.exit(1, f"{parser.prog}: error: {error}\n")
+        parser.exit(1, f"{parser.prog}: error: {printable(str(error))}\n")
     except RossError as error:
-        parser.error(str(error))
+        parser.error(printable(str(error)))
 
 
 def expect_writable(*paths: Path) -> None:

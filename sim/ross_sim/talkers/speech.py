@@ -77,7 +77,7 @@ def read(path: Path, rate: int) -> Samples:
     try:
         channels, original = soundfile.read(os.fsencode(path), dtype="float64", always_2d=True)
     except (soundfile.LibsndfileError, OSError) as error:
-        raise ConfigError(f"{path}: not a recording that can be read: {_reason(error)}") from error
+        raise ConfigError(f"{path}: not a recording that can be read: {why_unreadable(error)}") from error
     if original > HIGHEST_RATE:
         raise ConfigError(f"{path}: expected at most {HIGHEST_RATE} Hz, got {original} Hz")
     mono = channels.mean(axis=1)
@@ -149,5 +149,6 @@ def _suffixes() -> str:
     return ", ".join(sorted(SUFFIXES))
 
 
-def _reason(error: Exception) -> str:
+def why_unreadable(error: Exception) -> str:
+    """Say what libsndfile or the system has against a file, without naming it again."""
     return str(getattr(error, "error_string", None) or getattr(error, "strerror", None) or error)

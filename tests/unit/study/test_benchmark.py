@@ -469,6 +469,36 @@ def test_a_recording_that_cannot_be_described_is_named_in_one_line(tmp_path, nam
     assert not (tmp_path / "mine").exists()
 
 
+def test_a_file_that_is_no_recording_is_named_once(tmp_path):
+    path = tmp_path / "speech" / "a.wav"
+    path.parent.mkdir()
+    path.write_text("no sound")
+    done = listed(tmp_path / "mine", "--describe", path.parent, "--licence", "CC0")
+    assert (done.exit_code, done.output.count(str(path))) == (2, 1)
+    assert "not a recording that can be read: Format not recognised" in done.output
+
+
+@pytest.mark.parametrize("option", ["--corpus", "--licence"])
+def test_what_recordings_are_is_refused_where_none_are_described(lists, tmp_path, option):
+    shutil.copy(lists / FILES[2], tmp_path)
+    done = listed(tmp_path, option, "CC0")
+    assert (done.exit_code, done.output.count("\n")) == (2, 1)
+    assert "expected --describe, too" in done.output
+    assert not (tmp_path / FILES[1]).exists()
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [("utterance,a,b,utterance", "expected one column 'utterance', got 2"), ("\x1b[2J,b", "got columns \\x1b[2J, b")],
+)
+def test_columns_that_cannot_be_meant_are_named_and_control_no_terminal(tmp_path, names, words):
+    (tmp_path / FILES[2]).write_text(f"{names}\n")
+    done = listed(tmp_path)
+    assert (done.exit_code, done.output.count("\n")) == (2, 1)
+    assert words in done.output
+    assert "\x1b" not in done.output
+
+
 def test_a_full_disk_is_named_as_one(monkeypatch, tmp_path):
     def full(path, data):
         raise OSError(errno.ENOSPC, "No space left on device")

@@ -26,6 +26,7 @@ from ross_sim.study.oracle_separators import ideal_ratio_mask
 from ross_sim.study.runs.study_design import explorer_named
 from ross_sim.study.scenes.exploration import observed
 from ross_sim.study.scenes.mixtures import Mixture, scene_of
+from ross_sim.talkers.speech import why_unreadable
 
 FRAME, EXPLORE_FRAME = 2048, 1024  # [samples], a quarter apart
 AZIMUTHS = "azimuths.json"
@@ -102,7 +103,7 @@ def wav(path: Path) -> Real:
     try:
         samples, _ = soundfile.read(path, dtype="float32", always_2d=True)
     except (soundfile.LibsndfileError, OSError) as error:
-        raise ConfigError(f"{path}: not a recording that can be read: {error}") from error
+        raise ConfigError(f"{path}: not a recording that can be read: {why_unreadable(error)}") from error
     return np.asarray(samples.T)
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Real
+from ross_sim.talkers.speech import why_unreadable
 
 RATE = 16000  # of LibriSpeech, and of the benchmark [Hz]
 FULL_SCALE = 32768
@@ -113,7 +114,7 @@ def one_of_each_reader(folder: Path, shortest: int, **of_the_corpus: str) -> lis
                 continue
             line = described(path.stem, soundfile.read(path, dtype="int16")[0].astype(np.int64), **of_the_corpus)
         except (soundfile.LibsndfileError, OSError) as error:
-            raise ConfigError(f"{path}: not a recording that can be read: {error}") from error
+            raise ConfigError(f"{path}: not a recording that can be read: {why_unreadable(error)}") from error
         if not line.rms > 0:
             raise ConfigError(f"{path}: expected a voice, got silence")
         lines[line.reader] = line

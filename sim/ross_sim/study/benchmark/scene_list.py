@@ -27,6 +27,7 @@ from ross_sim.study.scenes.room_settings import FAR, HIGH, LOW, NEAR, SETTINGS
 from ross_sim.study.script_errors import told_in_a_line
 
 HERE = Path(__file__).parent
+CORPUS = "LibriSpeech"
 SEED = 2016
 SECONDS = 10.0  # of a mixture
 SHORTEST = round(SECONDS * RATE)  # samples of a recording
@@ -234,16 +235,18 @@ def _expect_enough(path: Path, recordings: Sequence[Recording]) -> None:
 @click.option(
     "--describe", "speech", type=click.Path(path_type=Path), help="Folder of recordings, 16 kHz, one channel."
 )
-@click.option("--corpus", default="LibriSpeech", show_default=True, help="What --describe says they are of.")
+@click.option("--corpus", show_default=CORPUS, help="What --describe says they are of.")
 @click.option("--licence", help="What --describe says they are under, such as 'CC BY 4.0'.")
 @click.option("--seed", type=click.IntRange(0), default=SEED, show_default=True, help="Of the layouts.")
-def main(folder: Path, speech: Path | None, corpus: str, licence: str | None, seed: int) -> None:
+def main(folder: Path, speech: Path | None, corpus: str | None, licence: str | None, seed: int) -> None:
     """Draw rooms and layouts for the recordings of FOLDER."""
     with told_in_a_line():
         if speech is not None:
             if not licence:
                 raise ConfigError("--describe: expected --licence, too: that of the recordings")
-            describe(folder, speech, corpus, licence)
+            describe(folder, speech, corpus or CORPUS, licence)
+        elif corpus is not None or licence is not None:
+            raise ConfigError("--corpus and --licence: expected --describe, too: they are of what it writes")
         write_list(folder, seed=seed)
 
 

@@ -35,6 +35,7 @@ from ross_sim.study.rows.tables import Table
 from ross_sim.study.runs.row_manifest import held
 from ross_sim.study.runs.study_store import difference
 from ross_sim.study.scenes.exploration import matched
+from ross_sim.talkers.speech import why_unreadable
 
 DIGITS = 3
 MOST_TALKERS = 20  # that an estimate may name
@@ -98,7 +99,7 @@ def _voice(path: Path, rate: int, n: int) -> Real | None:
     try:
         samples, its_rate = soundfile.read(path, dtype="float64", always_2d=True)
     except (soundfile.LibsndfileError, OSError) as error:
-        raise ConfigError(f"{path}: not a recording that can be read: {error}") from error
+        raise ConfigError(f"{path}: not a recording that can be read: {why_unreadable(error)}") from error
     if (its_rate, samples.shape) != (rate, (n, 1)):
         got = f"{samples.shape[0]} of {samples.shape[1]} at {its_rate} Hz"
         raise ConfigError(f"{path}: expected {n} samples of one channel at {rate} Hz, as the mixture has, got {got}")

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from ross_payload.bounded_files import open_regular
-from ross_payload.errors import ConfigError
+from ross_payload.errors import ConfigError, shown
 from ross_payload.plugins import install_line
 from ross_sim.study.rows.result_rows import columns
 
@@ -76,7 +76,8 @@ def csv_lines(path: Path) -> tuple[tuple[str, ...], list[dict[str, str]]]:
     Raises
     ------
     ConfigError
-        When it was cut short: a row has not as many cells as there are names, or the last one does not end.
+        When a column is there twice, or it was cut short: a row has not as many cells as there are names, or the last
+        one does not end.
     OSError, UnicodeError, ValueError
         When it cannot be read.
     """
@@ -84,6 +85,9 @@ def csv_lines(path: Path) -> tuple[tuple[str, ...], list[dict[str, str]]]:
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         names = tuple(next(reader, ()))
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise ConfigError(f"{path}: expected one column {shown(twice)}, got {names.count(twice)}")
         for cells in filter(None, reader):
             if len(cells) != len(names):
                 where = f"{path}, line {reader.line_num}"
