@@ -34,4 +34,9 @@ END
 
 (cd "$tree" && dpkg-buildpackage --build=binary --unsigned-changes --unsigned-buildinfo)
 cp "$work"/ross-payload_*.deb "$out"
-ls "$out"/ross-payload_*.deb
+cd "$out"
+if [ -f SHA256SUMS ]; then  # of `make release`
+  { sed '/  ross-payload_.*\.deb$/d' SHA256SUMS; sha256sum ross-payload_*.deb; } > SHA256SUMS.new
+  mv SHA256SUMS.new SHA256SUMS
+fi
+ls "$PWD"/ross-payload_*.deb

@@ -1,6 +1,7 @@
 """What packages and images are made of, held to what the payload says of itself; the whole is built in soak tests."""
 
 import importlib.util
+import os
 import re
 import subprocess
 import tomllib
@@ -81,6 +82,27 @@ def test_tests_stubs_and_foreign_dialects_are_left_out_and_our_data_stay(environ
     assert files(tmp_path) == kept
     environment.prune(tmp_path, environment.SMALLEST)
     assert files(tmp_path) == kept - {"scipy/io/b.py"}
+
+
+def test_a_package_that_is_built_after_a_release_has_its_hash_among_the_others(tmp_path):
+    tools, dist = tmp_path / "tools", tmp_path / "dist"
+    made(tools, "dh")
+    (tools / "tar").write_text("#!/bin/sh\n")  # of the whole tree
+    (tools / "dpkg-buildpackage").write_text("#!/bin/sh\necho new > ../ross-payload_1+deb12_amd64.deb\n")
+    for tool in tools.iterdir():
+        tool.chmod(0o755)
+    made(dist, "ross_payload-1.tar.gz")
+    listed = subprocess.run(
+        ["sha256sum", "ross_payload-1.tar.gz"], cwd=dist, capture_output=True, text=True, check=True
+    )
+    (dist / "SHA256SUMS").write_text(listed.stdout + "0  ross-payload_1+deb12_amd64.deb\n")
+    path = f"{tools}:{os.environ['PATH']}"
+    subprocess.run(["sh", DEPLOY / "build-deb.sh", dist], env=os.environ | {"PATH": path}, check=True)
+    subprocess.run(["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=dist, check=True)
+    assert [line.split()[1] for line in (dist / "SHA256SUMS").read_text().splitlines()] == [
+        "ross_payload-1.tar.gz", "ross-payload_1+deb12_amd64.deb"
+    ]  # fmt: skip
+    assert files(dist) == {"SHA256SUMS", "ross_payload-1.tar.gz", "ross-payload_1+deb12_amd64.deb"}
 
 
 def test_the_environment_starts_at_its_place_and_names_no_other(environment, tmp_path):
