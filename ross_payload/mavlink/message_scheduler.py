@@ -158,7 +158,9 @@ class Stream:
         sent = self._sent.get(key)
         if sent is None or sent.news != item.news:
             return key[0], -math.inf
-        enough = ENOUGH if key[0] <= Rank.STATUS else min(self._usual.get(key[1], math.inf), REPEAT)
+        usual = min(self._usual.get(key[1], math.inf), REPEAT)
+        often = usual if self._period(key) < usual else 0.0
+        enough = ENOUGH if key[0] <= Rank.STATUS else often
         return Rank.EXTRA if now < sent.last + enough - EARLY else key[0], sent.due
 
     def _is_due(self, key: Key, item: Item, now: float) -> bool:

@@ -121,6 +121,18 @@ def test_what_somebody_asks_for_more_often_leaves_the_rest_its_place() -> None:
     assert count(heard, Source) >= count(usual, Source)
 
 
+def test_what_comes_as_often_as_usual_goes_first_also_when_it_is_repeated() -> None:
+    """Also when it is late; heartbeat, status and mirrors leave 30 of 250 bytes/s to what matters less."""
+    board = Board()
+    board.put(Rank.HEARTBEAT, [BEAT])
+    board.put(Rank.STATUS, [status()])
+    board.put(Rank.ALIGNMENT, [source(index) for index in range(4)])
+    board.put(Rank.MIRROR, [Named(0.0, f"ross_{index}", 1.0) for index in range(4)])
+    heard = told(stream(), board, 60.0, rate=250)
+    assert count(heard, Named) >= 0.98 * 4 * 60
+    assert 0 < count(heard, Source) < 4 * 60 / 5
+
+
 def test_heartbeats_that_somebody_asks_for_more_often_share_what_a_component_may_take() -> None:
     link = stream()
     link.limit = 100.0
