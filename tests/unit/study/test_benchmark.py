@@ -160,7 +160,7 @@ def changed(path):
     ("damage", "words"),
     [
         (Path.unlink, "8-1-0000 of LibriSpeech is missing; it is in tiny.tar.gz at https://www.openslr.org/12"),
-        (cut, "8-1-0000 of LibriSpeech is not what LibriSpeech/tiny/8/1/8-1-0000.flac is, which has 175999"),
+        (cut, "8-1-0000 of LibriSpeech is not in LibriSpeech/tiny/8/1/8-1-0000.flac, which has 1 x 175999 samples"),
         (changed, "whose samples have the SHA-256"),
         (lambda path: path.write_text("no sound"), "which cannot be read; it is in tiny.tar.gz"),
     ],

@@ -162,9 +162,9 @@ def found(folder: Path, recordings: Iterable[Recording]) -> dict[str, Real]:
             samples[recording.utterance] = own / FULL_SCALE
     if lacking:
         recording, why = lacking[0]
-        more = f"; so are {len(lacking) - 1} more" if len(lacking) > 1 else ""
+        more = f"; {len(lacking) - 1} more are missing or differ" if len(lacking) > 1 else ""
         name = f"{recording.utterance} of {recording.corpus}"
-        raise ConfigError(f"{folder}: {name} {why}{more}; it is in {recording.download}")
+        raise ConfigError(f"{folder}: {name} {why}; it is in {recording.download}{more}")
     return samples
 
 
@@ -175,7 +175,7 @@ def _of(folder: Path, recording: Recording) -> Integers | str:
     for path in named or recording.of_the_reader(folder):
         samples = _read(path, recording)
         if isinstance(samples, str):
-            differs = differs or f"is not what {path.relative_to(folder)} is, {samples}"
+            differs = differs or f"is not in {path.relative_to(folder)}, {samples}"
         else:
             return samples
     return differs or "is missing"
@@ -186,8 +186,8 @@ def _read(path: Path, recording: Recording) -> Integers | str:
     try:
         about = soundfile.info(path)
         if (about.samplerate, about.channels, about.frames) != (RATE, 1, recording.samples):
-            wanted = f"{recording.samples} samples of one channel at {RATE} Hz"
-            return f"which has {about.frames} of {about.channels} at {about.samplerate} Hz and not {wanted}"
+            got = f"{about.channels} x {about.frames} samples at {about.samplerate} Hz"
+            return f"which has {got}, not 1 x {recording.samples} at {RATE} Hz"
         samples = soundfile.read(path, dtype="int16")[0].astype(np.int64)
     except (soundfile.LibsndfileError, OSError):
         return "which cannot be read"
