@@ -40,11 +40,10 @@ def difference(angle: ArrayLike, other: ArrayLike) -> Real:
     return np.asarray((np.asarray(angle) - np.asarray(other) + np.pi) % (2 * np.pi) - np.pi)
 
 
-def circular_mean(angles: ArrayLike, weights: ArrayLike | None = None) -> float:
-    """Weighted mean direction [rad] of angles [rad].
+def circular_mean(angles: ArrayLike) -> float:
+    """Mean direction [rad] of angles [rad].
 
     >>> round(float(np.rad2deg(circular_mean(np.deg2rad([170, -150])))), 6)
     -170.0
     """
-    phasors = np.exp(1j * np.asarray(angles))
-    return float(np.angle(np.average(phasors, weights=None if weights is None else np.asarray(weights))))
+    return float(np.angle(np.mean(np.exp(1j * np.asarray(angles)))))

@@ -73,16 +73,16 @@ def check_array(spacing: float, speed_of_sound: float) -> None:
             raise ConfigError(f"{what}: expected a positive number, got {value:g}")
 
 
-def band_limits(spacing: float, speed_of_sound: float, low: float = LOW) -> tuple[float, float]:
+def band_limits(spacing: float, speed_of_sound: float) -> tuple[float, float]:
     """Lowest and highest frequency [Hz] used; the highest is the spatial aliasing limit v_p / (2 d).
 
     A wide array whose limit lies near the low cut is heard from a quarter of the limit on.
 
-    >>> band_limits(0.05, 343.0, 500.0)
+    >>> band_limits(0.05, 343.0)
     (500.0, 3430.0)
     """
     high = speed_of_sound / (2 * spacing)
-    return min(low, high / 4), high
+    return min(LOW, high / 4), high
 
 
 def weighted_itd(

@@ -140,7 +140,7 @@ def profile(data: Data, model: Mixture, source: int) -> Real:
     return gain
 
 
-def rearrange(data: Data, model: Mixture, penalty: Penalty, rounds: int = 2) -> Mixture:
+def rearrange(data: Data, model: Mixture, penalty: Penalty) -> Mixture:
     """A better mixture of as many sources, if one is near.
 
     One of the three sources worth least is moved to where the likelihood gains most, or the one worth least goes and
@@ -149,7 +149,7 @@ def rearrange(data: Data, model: Mixture, penalty: Penalty, rounds: int = 2) -> 
     if len(model.azimuths) < 2:
         return model
     best = itd_mixture.log_likelihood(data, model)
-    for _ in range(rounds):
+    for _ in range(2):
         worth, reduced = worths(data, model, 3)
         least = np.argsort(worth)[:3]
         moved = [_added(data, reduced[k], penalty, [float(model.azimuths[k])])[0] for k in least]

@@ -84,16 +84,16 @@ def shifted(observation: Observation, angle: float) -> Observation:
     return replace(observation, heading=observation.heading + angle, features=features)
 
 
-def covered(headings: Real, step: float = STEP) -> int:
+def covered(headings: Real) -> int:
     """How many steps of half a turn the axes at these headings [rad] cover.
 
     >>> covered(np.deg2rad([0.0, 10.0, 20.0, 190.0])), covered(np.deg2rad(np.arange(0.0, 360.0, 10.0)))
     (2, 12)
     """
-    return len(np.unique(np.floor(np.mod(headings, np.pi) / step + ROUNDING)))
+    return len(np.unique(np.floor(np.mod(headings, np.pi) / STEP + ROUNDING)))
 
 
-def cut(headings: Real, block: int, sector: float = SECTOR) -> list[slice]:
+def cut(headings: Real, block: int) -> list[slice]:
     """Cut frames at these headings [rad], (n_frames,), into sectors of whole blocks of ``block`` frames.
 
     >>> [(each.start, each.stop) for each in cut(np.deg2rad([0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 15.0, 15.0, 15.0]), 2)]
@@ -101,6 +101,6 @@ def cut(headings: Real, block: int, sector: float = SECTOR) -> list[slice]:
     """
     found = [0]
     for frame in range(0, len(headings), block):
-        if abs(headings[frame] - headings[found[-1]]) >= sector:
+        if abs(headings[frame] - headings[found[-1]]) >= SECTOR:
             found.append(frame)
     return [slice(first, last) for first, last in pairwise([*found, len(headings)])]

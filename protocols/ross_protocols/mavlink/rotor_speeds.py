@@ -32,10 +32,10 @@ def speeds_of(message: Any) -> dict[int, float] | None:
     return None
 
 
-def rotor_status(boot: float, speeds: Sequence[float], first: int = 0) -> Any:
-    """Return the ESC_STATUS of up to four rotors at speeds [1/s], the first of number ``first``."""
+def rotor_status(boot: float, speeds: Sequence[float]) -> Any:
+    """Return the ESC_STATUS of up to four rotors at speeds [1/s], numbered from 0."""
     rpm, nothing = [round(60 * speed) for speed in _four(speeds)], [math.nan] * EACH
-    return ross.MAVLink_esc_status_message(first, round(boot * 1e6), rpm, nothing, nothing)
+    return ross.MAVLink_esc_status_message(0, round(boot * 1e6), rpm, nothing, nothing)
 
 
 def rotor_telemetry(speeds: Sequence[float], group: int, count: int) -> Any:

@@ -78,13 +78,7 @@ class Fix:
         }
 
 
-def bearings_of(
-    payload: PayloadState,
-    latitude: float,
-    longitude: float,
-    mount: float | None,
-    position_sigma: float = POSITION_SIGMA,
-) -> list[Bearing]:
+def bearings_of(payload: PayloadState, latitude: float, longitude: float, mount: float | None) -> list[Bearing]:
     """Return the bearings of a payload that stands somewhere [rad]; none when nobody knows where north is.
 
     ``mount`` is the heading of the zero of its mount, clockwise from north [rad], where its own angles count from that.
@@ -96,7 +90,7 @@ def bearings_of(
         if turned is not None:
             found += [
                 Bearing(
-                    payload.who, source.source, latitude, longitude, azimuth + turned, source.sigma, position_sigma,
+                    payload.who, source.source, latitude, longitude, azimuth + turned, source.sigma, POSITION_SIGMA,
                     source.weight, source.score, source.target,
                 )
                 for azimuth in ((source.azimuth,) if source.mirror is None else (source.azimuth, source.mirror))

@@ -76,9 +76,9 @@ class Reporter:
 class FaultLog(logging.Handler):
     """Takes what the loop and the web server complain of: one line, with the traceback of a fault of ours once."""
 
-    def __init__(self, reporter: Reporter | None = None) -> None:
+    def __init__(self) -> None:
         super().__init__(logging.ERROR)
-        self._reporter = reporter or Reporter()
+        self._reporter = Reporter()
         self._shown: set[str] = set()
 
     def of_loop(self, loop: asyncio.AbstractEventLoop, words: dict[str, Any]) -> None:

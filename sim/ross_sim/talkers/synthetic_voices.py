@@ -66,7 +66,7 @@ def voices_of(folder: Path | None, rate: int) -> tuple[TalkerVoice, ...]:
     return load_folder(folder, rate) if folder is not None else synthetic_voices(rate)
 
 
-def synthetic_voices(rate: int, cache: Path | None = None) -> tuple[TalkerVoice, ...]:
+def synthetic_voices(rate: int) -> tuple[TalkerVoice, ...]:
     """Eight talkers that nobody has to record, at ``rate`` [Hz]: at least a minute of speech each, levelled to -26 dB.
 
     Raises
@@ -74,7 +74,7 @@ def synthetic_voices(rate: int, cache: Path | None = None) -> tuple[TalkerVoice,
     ConfigError
         When espeakng-loader is not installed, or the engine fails or stays silent.
     """
-    return tuple(synthetic_voice(index, rate, cache) for index in range(len(RECIPES)))
+    return tuple(synthetic_voice(index, rate) for index in range(len(RECIPES)))
 
 
 def synthetic_voice(index: int, rate: int, cache: Path | None = None) -> TalkerVoice:

@@ -77,7 +77,7 @@ def median_interval(values: Sequence[float]) -> tuple[float, float]:
     return (ordered[len(below) - 1], ordered[-len(below)]) if below else (-math.inf, math.inf)
 
 
-def median_cell(values: Sequence[float], digits: int = 1) -> str:
+def median_cell(values: Sequence[float]) -> str:
     """A median and its interval as a cell of a table.
 
     >>> median_cell(list(range(1, 11))), median_cell([1.0, 2.0]), median_cell([])
@@ -86,4 +86,4 @@ def median_cell(values: Sequence[float], digits: int = 1) -> str:
     if not len(values):
         return "-"
     low, high = median_interval(values)
-    return f"{np.median(values):.{digits}f}" + ("" if math.isinf(low) else f" ({low:.{digits}f}-{high:.{digits}f})")
+    return f"{np.median(values):.1f}" + ("" if math.isinf(low) else f" ({low:.1f}-{high:.1f})")
