@@ -52,6 +52,11 @@ def around(trust: Trust, frequencies: Real, frame_period: float) -> tuple[int, i
     return bins, max(2 * round((frames - 1) / 2 * STEP / step) + 1, frames)
 
 
+def local_mean(values: Real, size: tuple[int, int]) -> Real:
+    """Average (n_freqs, n_frames) over ``size`` bins by frames `around` each."""
+    return np.asarray(uniform_filter(values, size, mode="nearest"))
+
+
 def itd_per_bin(spectrogram: Complex, frequencies: Real) -> Real:
     """Estimate the ITD [s] of every bin with f > 0, (n_freqs, n_frames); > 0 when microphone 2 leads, Eq. (1).
 
@@ -144,8 +149,8 @@ def _clear(spectrogram: Complex, frequencies: Real, frame_period: float, trust: 
     reference, other = spectrogram
     product = other * reference.conj()
     size = around(trust, frequencies, frame_period)
-    cross = _average(product.real, size) + 1j * _average(product.imag, size)
-    first, second = (_average(np.abs(channel) ** 2, size) for channel in spectrogram)
+    cross = local_mean(product.real, size) + 1j * local_mean(product.imag, size)
+    first, second = (local_mean(np.abs(channel) ** 2, size) for channel in spectrogram)
     silence = TINY + SILENCE * max(first.max(), second.max())  # running sums leave rounding errors where nothing is
     first, second = np.maximum(first, silence), np.maximum(second, silence)
     power = (first + second) / 2
@@ -188,13 +193,9 @@ def lowest_psd(power: Real, trust: Trust) -> Real:
 
 def lowest_noise(spectrogram: Complex, frequencies: Real, frame_period: float, trust: Trust) -> Real:
     """Noise PSD from the quietest frames of (2, n_freqs, n_frames), as `weighted_itd` guesses it, (n_freqs,)."""
-    power = _average((np.abs(spectrogram) ** 2).mean(axis=0), around(trust, frequencies, frame_period))
+    power = local_mean((np.abs(spectrogram) ** 2).mean(axis=0), around(trust, frequencies, frame_period))
     return lowest_psd(power, trust)[:, 0]
 
 
 def _itd(cross: Complex, frequencies: Real) -> Real:
     return np.asarray(np.angle(cross) / (2 * np.pi * frequencies[:, None]))
-
-
-def _average(values: Real, size: tuple[int, int]) -> Real:
-    return np.asarray(uniform_filter(values, size, mode="nearest"))

@@ -12,10 +12,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import uniform_filter
 
 from ross_payload.dsp.covariance import ROOT2
-from ross_payload.dsp.itd import TINY, Trust, around, tail
+from ross_payload.dsp.itd import TINY, Trust, around, local_mean, tail
 from ross_payload.interfaces import Complex, Real
 
 SINGULAR = 1e-4  # of the product of the powers: least determinant of a noise covariance
@@ -67,9 +66,9 @@ def weighted_itd_in_noise(
     whitening = Whitening.of(field)
     white = whitening.apply(spectrogram)
     size = around(trust, frequencies, frame_period)
-    one, two = (_average(np.abs(channel) ** 2, size) for channel in white)
+    one, two = (local_mean(np.abs(channel) ** 2, size) for channel in white)
     product = white[1] * white[0].conj()
-    cross = _average(product.real, size) + 1j * _average(product.imag, size)
+    cross = local_mean(product.real, size) + 1j * local_mean(product.imag, size)
     power = np.maximum((one + two) / 2, TINY)
     spread = np.sqrt(((one - two) / 2) ** 2 + np.abs(cross) ** 2)
     largest, least = power + spread, np.maximum(power - spread, 0)
@@ -83,7 +82,3 @@ def weighted_itd_in_noise(
     ratio = (1 - trust.coherence) / (1 + trust.coherence)  # of the eigenvalues of two channels of this coherence
     weight = energy * onset * (least <= ratio * largest) * (frequencies / frequencies.max())[:, None]
     return np.asarray(itd), np.asarray(weight)
-
-
-def _average(values: Real, size: tuple[int, int]) -> Real:
-    return np.asarray(uniform_filter(values, size, mode="nearest"))
