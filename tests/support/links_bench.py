@@ -1,12 +1,21 @@
-"""A hub of links on wires that a test holds in its hands."""
+"""A hub of links on wires that a test holds in its hands, or on real ones, and what is said over them."""
 
 from typing import Any
 
 from clocks import FakeClock
+from ross_payload.clock import SystemClock
 from ross_payload.config import Link
-from ross_payload.mavlink import Received, Router
+from ross_payload.mavlink import LinkStatus, Received, Router
 from ross_payload.transport.ports import Counts
 from ross_protocols.mavlink.codec import Decoder, Encoder, Packet
+from ross_protocols.mavlink.dialect import common
+from ross_protocols.mavlink.values import Health, Heartbeat
+
+BEAT = Heartbeat(Health.ACTIVE, 6)
+VEHICLE = common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3)
+ATTITUDE = common.MAVLink_attitude_message(0, 0.1, 0.2, 0.3, 0, 0, 0)
+GROUND = Link(url="udpin::14550")
+PILOT = Link(url="serial:/dev/ttyAMA0:57600", role="autopilot")
 
 
 class Wire:
@@ -58,3 +67,22 @@ class Bench:
 
     def names(self) -> list[str]:
         return [heard.packet.name for heard in self.heard]
+
+
+def links_to(*urls: str, clock: SystemClock | None = None, patient: bool = False) -> Router:
+    return Router.open([Link(url=url) for url in urls], clock or SystemClock(), patient=patient)
+
+
+def status(links: Router) -> LinkStatus:
+    (only,) = links.status()
+    return only
+
+
+def hears(links: Router) -> list[Received]:
+    heard: list[Received] = []
+    links.component(191).subscribe(heard.append)
+    return heard
+
+
+def command(system: int, component: int) -> Any:
+    return common.MAVLink_command_long_message(system, component, 512, 0, 397, 0, 0, 0, 0, 0, 0)

@@ -6,15 +6,13 @@ import pytest
 from pymavlink.dialects.v20 import common
 
 from clocks import FakeClock
-from links_bench import Wire
+from links_bench import BEAT, Wire
 from ross_payload.config import Link
 from ross_payload.mavlink import Received, Router
 from ross_protocols.mavlink.signing import timestamp_of
-from ross_protocols.mavlink.values import Health, Heartbeat
 
 KEY = bytes(range(32))
 OTHER = bytes(32)
-BEAT = Heartbeat(Health.ACTIVE, 6)
 STOP, EXPLORE = 54004, 54000
 TODAY = 1_795_000_000.0  # UNIX [s]
 

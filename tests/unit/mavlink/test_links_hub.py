@@ -1,25 +1,14 @@
 """The hub: our own components, who hears what, where it goes, how much of it, and what is counted."""
 
 import math
-from typing import Any
 
 import pytest
 
-from links_bench import Bench
+from links_bench import ATTITUDE, BEAT, GROUND, PILOT, VEHICLE, Bench, command
 from ross_payload.config import Link
 from ross_payload.mavlink import Received
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import common
-from ross_protocols.mavlink.values import Health, Heartbeat
-
-BEAT = Heartbeat(Health.ACTIVE, 6)
-VEHICLE = common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3)
-ATTITUDE = common.MAVLink_attitude_message(0, 0.1, 0.2, 0.3, 0, 0, 0)
-
-
-GROUND = Link(url="udpin::14550")
-PILOT = Link(url="serial:/dev/ttyAMA0:57600", role="autopilot")
-
 
 # ---------------------------------------------------------------------------------------------------- components
 
@@ -114,10 +103,6 @@ def test_closing_closes_ports_made_elsewhere() -> None:
 
 
 # ---------------------------------------------------------------------------------------------------- routes
-
-
-def command(system: int, component: int) -> Any:
-    return common.MAVLink_command_long_message(system, component, 512, 0, 397, 0, 0, 0, 0, 0, 0)
 
 
 def test_a_targeted_message_goes_where_its_target_was_heard() -> None:

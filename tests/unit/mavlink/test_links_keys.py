@@ -14,17 +14,7 @@ from ross_payload.errors import ConfigError
 from ross_payload.mavlink import Router
 from ross_payload.transport.signing import SigningTime, read_key
 from ross_protocols.mavlink.signing import timestamp_of
-
-KEY = bytes(range(32))
-TODAY = 1_795_000_000.0  # UNIX [s]
-
-
-@pytest.fixture
-def key_file(tmp_path: Path) -> Path:
-    path = tmp_path / "key"
-    path.write_bytes(KEY)
-    path.chmod(0o600)
-    return path
+from signing_bench import KEY, TODAY
 
 
 def test_a_key_is_32_bytes_or_64_digits(tmp_path: Path, key_file: Path) -> None:

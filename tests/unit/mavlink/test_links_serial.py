@@ -14,31 +14,19 @@ from pathlib import Path
 import pytest
 
 from clocks import LeapingClock
+from links_bench import BEAT, hears, status
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
 from ross_payload.errors import ConfigError, LinkError
-from ross_payload.mavlink import LinkStatus, Received, Router
+from ross_payload.mavlink import Router
 from ross_payload.transport.byte_stream import ReconnectingStream
 from ross_payload.transport.link_url import Serial
 from ross_payload.transport.serial_port import BAUDS, SerialOpener
 from ross_protocols.mavlink.codec import Decoder, Encoder
-from ross_protocols.mavlink.values import Health, Heartbeat
 from waiting import wait_for
 
-BEAT = Heartbeat(Health.ACTIVE, 6)
 FRAME = Encoder(1, 1).encode(BEAT)
 RATES = {57600: termios.B57600, 115200: termios.B115200, 921600: termios.B921600, 460800: termios.B460800}
-
-
-def status(links: Router) -> LinkStatus:
-    (only,) = links.status()
-    return only
-
-
-def hears(links: Router) -> list[Received]:
-    heard: list[Received] = []
-    links.component(191).subscribe(heard.append)
-    return heard
 
 
 @pytest.fixture

@@ -20,9 +20,7 @@ from ross_payload.transport.open_port import open_port
 from ross_payload.transport.ports import Counts
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import MESSAGES, common
-from ross_protocols.mavlink.values import Health, Heartbeat
 
-BEAT = Heartbeat(Health.ACTIVE, 6)
 URL = "udpin::14550"
 
 

@@ -7,27 +7,16 @@ from collections.abc import Iterator
 import pytest
 
 from clocks import LeapingClock
+from links_bench import BEAT, hears, links_to, status
 from ports import free_port
 from ross_payload.clock import SystemClock
-from ross_payload.config import Link
 from ross_payload.errors import ConfigError, LinkError
-from ross_payload.mavlink import LinkStatus, Received, Router
+from ross_payload.mavlink import Router
 from ross_payload.transport.open_port import open_port
 from ross_protocols.mavlink.codec import Encoder
-from ross_protocols.mavlink.values import Health, Heartbeat
 from waiting import wait_for
 
-BEAT = Heartbeat(Health.ACTIVE, 6)
 FRAME = Encoder(255, 190).encode(BEAT)
-
-
-def links_to(*urls: str, clock: SystemClock | None = None, patient: bool = False) -> Router:
-    return Router.open([Link(url=url) for url in urls], clock or SystemClock(), patient=patient)
-
-
-def status(links: Router) -> LinkStatus:
-    (only,) = links.status()
-    return only
 
 
 @pytest.fixture
@@ -39,12 +28,6 @@ def server() -> Iterator[socket.socket]:
 
 def port_of(sock: socket.socket) -> int:
     return int(sock.getsockname()[1])
-
-
-def hears(links: Router) -> list[Received]:
-    heard: list[Received] = []
-    links.component(191).subscribe(heard.append)
-    return heard
 
 
 # ---------------------------------------------------------------------------------------------------- client

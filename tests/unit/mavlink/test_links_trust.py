@@ -4,25 +4,14 @@ from typing import Any
 
 import pytest
 
-from links_bench import Bench
+from links_bench import ATTITUDE, BEAT, GROUND, PILOT, VEHICLE, Bench, command
 from ross_payload.config import Link
 from ross_payload.mavlink.router import MOST_SENT, SentFrames
 from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.dialect import common
-from ross_protocols.mavlink.values import Health, Heartbeat, Severity, Text
+from ross_protocols.mavlink.values import Severity, Text
 
-BEAT = Heartbeat(Health.ACTIVE, 6)
-VEHICLE = common.MAVLink_heartbeat_message(2, 3, 0, 0, 4, 3)
 LONELY = common.MAVLink_heartbeat_message(18, 8, 0, 0, 4, 3)  # no autopilot
-ATTITUDE = common.MAVLink_attitude_message(0, 0.1, 0.2, 0.3, 0, 0, 0)
-
-
-GROUND = Link(url="udpin::14550")
-PILOT = Link(url="serial:/dev/ttyAMA0:57600", role="autopilot")
-
-
-def command(system: int, component: int) -> Any:
-    return common.MAVLink_command_long_message(system, component, 512, 0, 397, 0, 0, 0, 0, 0, 0)
 
 
 # ---------------------------------------------------------------------------------------------------- whose word counts

@@ -7,23 +7,17 @@ from contextlib import ExitStack, closing, suppress
 import pytest
 
 from clocks import LeapingClock
+from links_bench import BEAT, links_to, status
 from ports import free_port
 from ross_payload.clock import SystemClock
-from ross_payload.config import Link
 from ross_payload.errors import LinkError
-from ross_payload.mavlink import LinkStatus, Received, Router
+from ross_payload.mavlink import Received, Router
 from ross_payload.transport.open_port import open_port
 from ross_payload.transport.udp import MAX_DATAGRAMS, SILENT_S
 from ross_protocols.mavlink.codec import Encoder
-from ross_protocols.mavlink.values import Health, Heartbeat
 from waiting import wait_for
 
-BEAT = Heartbeat(Health.ACTIVE, 6)
 FRAME = Encoder(255, 190).encode(BEAT)
-
-
-def links_to(*urls: str, clock: SystemClock | None = None, patient: bool = False) -> Router:
-    return Router.open([Link(url=url) for url in urls], clock or SystemClock(), patient=patient)
 
 
 class Ear:
@@ -37,11 +31,6 @@ class Ear:
     def poll(self) -> list[Received]:
         self._links.poll()
         return self.heard
-
-
-def status(links: Router) -> LinkStatus:
-    (only,) = links.status()
-    return only
 
 
 @pytest.fixture
