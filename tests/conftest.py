@@ -127,7 +127,7 @@ def written(pytestconfig):
     return write
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def speech():
     """The folder of recorded talkers, which is not in the repository."""
     folder = Path(os.environ.get("ROSS_SPEECH", ROOT.parent / "shared" / "speech"))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from concurrent.futures import ProcessPoolExecutor
 from itertools import product
 from pathlib import Path
@@ -17,32 +16,27 @@ from ross_sim.study.scenes.exploration import NEAR_DEG, RATE, explore, matched
 from ross_sim.study.scenes.mixtures import VOICES
 from ross_sim.study.scenes.room_settings import SETTINGS, SPACING, SPEED_OF_SOUND
 
-SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / "../shared/speech"))
 ROOMS = ("A0.3", "A0.45", "A0.7", "B0.3", "B0.45", "B0.7")
 KS = (3, 4, 5)
 SEED, LAYOUTS, ROTATIONS, WORKERS = 7, 5, 12, 2
 
-pytestmark = [
-    pytest.mark.soak,
-    pytest.mark.timeout(7200),
-    pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH}; set ROSS_SPEECH"),
-]
+pytestmark = [pytest.mark.soak, pytest.mark.timeout(7200)]
 
 
-def explored(scene: tuple[str, int, int]) -> tuple[int, int, list[float]]:
+def explored(scene: tuple[str, int, int, Path]) -> tuple[int, int, list[float]]:
     """K, K as estimated, and the error [deg] of every talker when K is told."""
-    room, k, layout = scene
+    room, k, layout, speech = scene
     joint: Joint = explorer.make(SPACING, SPEED_OF_SOUND)
-    voices = [voice.speech for voice in voices_of(Source(SPEECH, VOICES, RATE))]
+    voices = [voice.speech for voice in voices_of(Source(speech, VOICES, RATE))]
     heard = explore(joint, SETTINGS[room], voices, k, key=[SEED, k, layout], rotations=ROTATIONS)
     errors, _ = matched(heard.azimuths, joint.place(heard.observations, k))
     return k, joint.estimate(heard.observations).k, errors.tolist()
 
 
 @pytest.fixture(scope="module")
-def found() -> list[tuple[int, int, list[float]]]:
+def found(speech: Path) -> list[tuple[int, int, list[float]]]:
     with ProcessPoolExecutor(WORKERS, initializer=threadpool_limits, initargs=(1,)) as pool:
-        return list(pool.map(explored, product(ROOMS, KS, range(LAYOUTS))))
+        return list(pool.map(explored, product(ROOMS, KS, range(LAYOUTS), [speech])))
 
 
 def test_the_number_of_talkers_is_right_in_true_rooms(found: list[tuple[int, int, list[float]]]) -> None:

@@ -6,7 +6,6 @@ its own. Truth is the azimuth that was put in.
 
 from __future__ import annotations
 
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -31,7 +30,6 @@ RATE = 16000
 STFT = Stft(RATE, 512, 128)
 BAND = slice(10, 115)
 STEP = np.deg2rad(15)
-SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / "../shared/speech"))
 
 
 def scene(
@@ -350,12 +348,11 @@ def delayed(voice: Real, tau: float) -> Real:
 
 
 @pytest.mark.soak
-@pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH}; set ROSS_SPEECH")
-def test_three_real_talkers_are_found_within_2_degrees() -> None:
+def test_three_real_talkers_are_found_within_2_degrees(speech: Path) -> None:
     from ross_sim.talkers.speech import load_folder
 
-    names = sorted(path.name for path in SPEECH.iterdir() if path.is_dir())[:3]
-    voices = [voice.speech for voice in load_folder(SPEECH, RATE, names)]
+    names = sorted(path.name for path in speech.iterdir() if path.is_dir())[:3]
+    voices = [voice.speech for voice in load_folder(speech, RATE, names)]
     azimuths, rng, unit = np.deg2rad([10.0, 75.0, -130.0]), np.random.default_rng(0), 3 * RATE
     joint: Joint = explorer.make(SPACING, SPEED)
     observations = []

@@ -5,7 +5,6 @@ Truth is geometry: a source at azimuth theta is heard at (d / v_p) cos(theta - h
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +28,6 @@ SPACING, SPEED = 0.05, 343.0
 UNIT = SPACING / SPEED
 GRID = itd_grid(SPACING, SPEED, 241)
 WIDTH = 0.03  # of a peak [d / v_p]
-SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / "../shared/speech"))
 MARKOV: Markov = explorer.make(SPACING, SPEED)
 
 
@@ -225,8 +223,7 @@ def test_loudness_does_not_matter() -> None:
 
 
 @pytest.mark.soak
-@pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH}; set ROSS_SPEECH")
-def test_real_talkers_in_the_papers_rooms_are_counted_and_placed() -> None:
+def test_real_talkers_in_the_papers_rooms_are_counted_and_placed(speech: Path) -> None:
     """K unknown, 2 to 5; 12 rotations, T_unit 3 s; K right and all within 10 deg in .79 / .34 / .34 of the scenes."""
     from ross_sim.study.runs.study_case import perform
     from ross_sim.study.runs.study_design import chosen, tasks
@@ -236,7 +233,7 @@ def test_real_talkers_in_the_papers_rooms_are_counted_and_placed() -> None:
 
     axes = {"settings": PLANES, "explorers": ("markov",), "rotations": (12,), "seed": 2}
     study = chosen("exploration", axes, quick=False)
-    source = Source(SPEECH, VOICES, study.rate_hz)
+    source = Source(speech, VOICES, study.rate_hz)
     last = [perform(task, study, source).explorations[-1] for task in tasks(study)]
     shares = [np.mean([row.right for row in last if row.setting == setting]) for setting in PLANES]
     assert np.all(np.array(shares) >= [0.79, 0.34, 0.34]), shares

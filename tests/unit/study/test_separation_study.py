@@ -1,4 +1,3 @@
-import os
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,6 @@ from ross_sim.study.runs.talker_placement import Source
 from ross_sim.study.scenes.mixtures import VOICES, aligned_heading, layouts
 from ross_sim.study.scenes.room_settings import PLANES
 
-SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[4] / "shared" / "speech"))
 FLOORS = {"S1": (15.0, 13.5, 12.0), "S2": (12.2, 11.0, 9.5), "S3": (9.0, 9.5, 8.5)}  # [dB] for K = 3, 4, 5
 
 
@@ -29,12 +27,11 @@ def test_random_layouts_keep_talkers_apart() -> None:
 
 
 @pytest.mark.soak
-@pytest.mark.skipif(not SPEECH.is_dir(), reason=f"no recordings in {SPEECH} (set ROSS_SPEECH)")
 @pytest.mark.parametrize("setting", PLANES)
-def test_the_local_gaussian_model_reaches_the_floors(setting: str) -> None:
+def test_the_local_gaussian_model_reaches_the_floors(setting: str, speech: Path) -> None:
     axes = {"settings": (setting,), "layouts": 5, "separators": ("gaussian",), "noise": ("known",), "seed": 0}
     study = chosen("separation", axes, quick=False)
-    source = Source(SPEECH, VOICES, study.rate_hz)
+    source = Source(speech, VOICES, study.rate_hz)
     rows = [row for task in tasks(study) if task.target is not None for row in perform(task, study, source).separations]
     for k, floor in zip(study.k, FLOORS[setting], strict=True):
         assert np.mean([row.si_sdri_db for row in rows if row.k == k]) >= floor

@@ -17,16 +17,12 @@ from ross_sim.talkers.speech import load_folder
 
 pytestmark = pytest.mark.lockstep
 
-SPEECH = Path(os.environ.get("ROSS_SPEECH", Path(__file__).parents[3] / ".." / "shared" / "speech"))
-READERS = Path(os.environ.get("ROSS_READERS", SPEECH.parent / "talkers"))
 RATE = 16_000
 
 
 @pytest.fixture(scope="module")
-def people():
-    if not SPEECH.is_dir():
-        pytest.skip(f"no recordings in {SPEECH}; set ROSS_SPEECH")
-    return {voice.name: voice for voice in load_folder(SPEECH, RATE, OUTSIDE)}
+def people(speech):
+    return {voice.name: voice for voice in load_folder(speech, RATE, OUTSIDE)}
 
 
 @pytest.fixture(scope="module")
@@ -60,11 +56,12 @@ def test_ten_seconds_of_a_talker_nearly_always_score_highest_with_the_own_print(
 
 @pytest.mark.soak
 @pytest.mark.usefixtures("people")
-def test_the_training_command_makes_the_shipped_model(tmp_path):
-    if not READERS.is_dir():
-        pytest.skip(f"no readers in {READERS}; set ROSS_READERS")
+def test_the_training_command_makes_the_shipped_model(speech, tmp_path):
+    readers = Path(os.environ.get("ROSS_READERS", speech.parent / "talkers"))
+    if not readers.is_dir():
+        pytest.skip(f"no readers in {readers}; set ROSS_READERS")
     out, work = tmp_path / "again.npz", tmp_path / "work"
-    folders = ["--readers", str(READERS), "--speech", str(SPEECH), "--work", str(work)]
+    folders = ["--readers", str(readers), "--speech", str(speech), "--work", str(work)]
     train([*folders, "--seed", "0", str(out)], standalone_mode=False)
     again, shipped = read_model(out.read_bytes(), "again.npz").parameters, built_in_model().parameters
     for field in fields(shipped):
