@@ -94,6 +94,21 @@ class Ground:
         return fresh
 
 
+class Sky(SimpleNamespace):
+    """A payload's links, the air and a ground station, on one clock."""
+
+    def wait(self, seconds, *servers):
+        """Let time pass, in steps of 10 ms; return the messages that the ground station hears."""
+        heard = []
+        for _ in range(round(seconds * 100)):
+            self.clock.advance()
+            self.links.poll()
+            for server in servers:
+                server.tick(self.clock.now())
+            heard += self.ground.listen()
+        return heard
+
+
 @pytest.fixture(scope="module")
 def sky():
     """Make links of a payload, the air and a ground station: ``sky(loss=0.2).ground``."""
@@ -105,7 +120,7 @@ def sky():
         links = Router(clock, 1)
         opened.append(links)
         links.attach(Link(url=URL, accept=accept, max_bytes_s=max_bytes_s), air)
-        return SimpleNamespace(clock=clock, links=links, air=air, ground=Ground(air))
+        return Sky(clock=clock, links=links, air=air, ground=Ground(air))
 
     yield make
     for links in opened:

@@ -21,18 +21,12 @@ class Payload:
     """A file server, and time in steps of 10 ms."""
 
     def __init__(self, sky, content):
-        self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
-        self.server = FtpServer(self.links.component(191), content)
+        self.sky, self.clock, self.ground = sky, sky.clock, sky.ground
+        self.server = FtpServer(sky.links.component(191), content)
 
     def wait(self, seconds):
         """Let time pass; return the messages that the ground station hears."""
-        heard = []
-        for _ in range(round(seconds * 100)):
-            self.clock.advance()
-            self.links.poll()
-            self.server.tick(self.clock.now())
-            heard += self.ground.listen()
-        return heard
+        return self.sky.wait(seconds, self.server)
 
     def ask(self, opcode, data=b"", seconds=0.05, target=(1, 191), **fields):
         request = Packet(7, opcode, data=data, **({"size": len(data)} | fields))

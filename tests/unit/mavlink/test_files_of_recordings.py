@@ -28,7 +28,7 @@ class Payload:
     """A file server that offers a folder, and time in steps of 10 ms; the disk gets true time to answer."""
 
     def __init__(self, sky, folder, speed=SPEED, rate=float("inf"), claim=lambda link, size, wait: True):
-        self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
+        self.sky, self.clock, self.links, self.ground = sky, sky.clock, sky.links, sky.ground
         rates = dict.fromkeys(self.links.rates(), rate)
         self.server = FtpServer(
             self.links.component(191), files(), Recordings(folder, speed), lambda: rates, claim=claim
@@ -37,13 +37,7 @@ class Payload:
 
     def wait(self, seconds):
         """Let time pass; return what the ground station hears."""
-        heard = []
-        for _ in range(round(seconds * 100)):
-            self.clock.advance()
-            self.links.poll()
-            self.server.tick(self.clock.now())
-            heard += self.ground.listen()
-        return heard
+        return self.sky.wait(seconds, self.server)
 
     def ask(self, opcode, data=b"", **fields):
         """Ask, and let time pass until the first answer is there."""

@@ -33,14 +33,13 @@ class QGroundControl:
     """
 
     def __init__(self, sky):
-        self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
+        self.sky, self.ground = sky, sky.ground
         self.parameters = Parameters(Config(), None)
-        component = self.links.component(191)
-        servers = (
+        component = sky.links.component(191)
+        self.servers = (
             ParamServer(component, self.parameters, lambda *change: None, lambda *text: None),
             FtpServer(component, files()),
         )
-        self.servers = servers
         self.found, self.values, self.answers = {}, 0, []
         self.beating = True
         self._ticks = 0
@@ -53,11 +52,7 @@ class QGroundControl:
             if fetch and self.found and self._ticks % 25 == 0:
                 self._ask_for_the_missing()
             self._ticks += 1
-            self.clock.advance()
-            self.links.poll()
-            for server in self.servers:
-                server.tick(self.clock.now())
-            for message in self.ground.listen():
+            for message in self.sky.wait(0.01, *self.servers):
                 self._take(message)
 
     def load_as_a_file(self):

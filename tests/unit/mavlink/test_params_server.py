@@ -20,7 +20,7 @@ class Payload:
     """The server and what it tells; time moves in steps of 10 ms."""
 
     def __init__(self, sky, path=None):
-        self.clock, self.links, self.ground = sky.clock, sky.links, sky.ground
+        self.sky, self.clock, self.links, self.ground = sky, sky.clock, sky.links, sky.ground
         self.changes, self.texts, self.errors = [], [], []
         self.parameters = Parameters(Config(), path)
         component = self.links.component(191)
@@ -34,12 +34,7 @@ class Payload:
 
     def wait(self, seconds):
         """Let time pass; return the PARAM_VALUEs that the ground station hears meanwhile."""
-        heard = []
-        for _ in range(round(seconds * 100)):
-            self.clock.advance()
-            self.links.poll()
-            self.server.tick(self.clock.now())
-            heard += self.ground.listen()
+        heard = self.sky.wait(seconds, self.server)
         self.errors += [(one.param_id, one.error) for one in heard if one.get_type() == "PARAM_ERROR"]
         return [message for message in heard if message.get_type() == "PARAM_VALUE"]
 

@@ -55,12 +55,7 @@ def payload(sky):
     def ask(number, *numbers, **how):
         """Command something; return the results and the other messages that come back."""
         made.ground.long(number, *numbers, **how)
-        heard = []
-        for _ in range(5):
-            made.clock.advance()
-            made.links.poll()
-            server.tick(made.clock.now())
-            heard += made.ground.listen()
+        heard = made.wait(0.05, server)
         results = [message.result for message in heard if message.get_type() == "COMMAND_ACK"]
         return results, [message for message in heard if message.get_type() != "COMMAND_ACK"]
 
