@@ -3,13 +3,13 @@
 import re
 import signal
 import subprocess
-import sys
 from contextlib import contextmanager
 
 import pytest
 
 from browsing import eventually
 from page_eyes import sees
+from processes import ROSS
 from short_mission import SHORT, brief
 
 PANEL = "section[aria-label='Listen']"
@@ -28,7 +28,7 @@ GONE = "ERR_CONNECTION_REFUSED"  # the page tries to come back when its server h
 @contextmanager
 def mission(window, *arguments):
     """``ross sitl --page``: the process and the address of its page; Ctrl-C ends it."""
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--page", *map(str, arguments)]
+    command = [*ROSS, "sitl", "--page", *map(str, arguments)]
     window.expected.append(GONE)
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         process.said = ""

@@ -6,7 +6,6 @@ import shlex
 import shutil
 import socket
 import subprocess
-import sys
 import tomllib
 from contextlib import ExitStack
 from pathlib import Path
@@ -20,7 +19,7 @@ from packaging.requirements import Requirement
 from bare_debian import ROOT, need, run
 from containerfile import Containerfile
 from ports import free_port
-from processes import program
+from processes import ROSS, program
 from ross_payload import __version__
 from ross_payload.plugins import available
 from ross_payload.service.check import loaded
@@ -126,7 +125,6 @@ def test_the_payload_of_compose_hears_its_world_and_reports(compose, tmp_path):
             text = text.replace(there, place)
         return text
 
-    ross = [sys.executable, "-m", "ross_payload.cli"]
     world, payload = ([here(word) for word in compose["services"][name]["command"]] for name in ("world", "payload"))
     with ExitStack() as stack, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ground:
         ground.bind(("127.0.0.1", 0))
@@ -136,10 +134,10 @@ def test_the_payload_of_compose_hears_its_world_and_reports(compose, tmp_path):
         )
         (tmp_path / "ross.toml").write_text(config + f'\n[service]\nstate_dir = "{tmp_path}"\n')
         payload[-1] = tmp_path / "ross.toml"
-        _, said = stack.enter_context(program([*ross, *world], tmp_path, "world.log"))
+        _, said = stack.enter_context(program([*ROSS, *world], tmp_path, "world.log"))
         wait_for(lambda: "[actuator]" in said.read_text())  # compose starts again what did not find it
-        stack.enter_context(program([*ross, *payload], tmp_path, "payload.log"))
-        ask = [*ross, "health", tmp_path / "ross.toml"]
+        stack.enter_context(program([*ROSS, *payload], tmp_path, "payload.log"))
+        ask = [*ROSS, "health", tmp_path / "ross.toml"]
         wait_for(lambda: subprocess.run(ask, capture_output=True, check=False).returncode == 0)
         assert ground.recv(2048)[:1] == b"\xfd"  # MAVLink 2
 

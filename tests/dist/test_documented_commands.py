@@ -3,7 +3,6 @@
 import re
 import shlex
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import soundfile
 from command_syntax import complaint, ross_commands
 from examples import in_soak
 from manual import ROOT, blocks, pages
+from processes import ROSS
 from ross_payload import plugins
 from ross_payload.actuators.registry import GROUP, checked_options
 from ross_payload.config import Config, validated
@@ -181,7 +181,7 @@ def run(command, folder, timeout=280):
     """Run a line as a shell does; where it needs no shell, without one: most of its time would be the start."""
     line = command.replace(".venv/bin/", "")
     alone = line.startswith("ross ") and not set(line) & set("~$*?;&|<>(){}`")
-    words = [sys.executable, "-m", "ross_payload.cli", *shlex.split(line)[1:]] if alone else line
+    words = [*ROSS, *shlex.split(line)[1:]] if alone else line
     done = subprocess.run(
         words, shell=not alone, cwd=folder, capture_output=True, text=True, timeout=timeout, check=False
     )

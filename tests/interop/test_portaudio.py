@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from processes import ROSS
+
 RATE, CHANNELS = 16000, 4
 PERIODS = (16, 20, 32, 40)  # of the tone on each channel [samples]
 AMPLITUDE = 0.25
@@ -209,6 +211,6 @@ def test_a_device_that_does_not_exist_gets_one_line_with_those_that_do(pulse, tm
 
 
 def test_ross_devices_lists_the_real_devices(pulse):
-    command = [sys.executable, "-m", "ross_payload.cli", "devices", "--json"]
+    command = [*ROSS, "devices", "--json"]
     listed = subprocess.run(command, env=pulse.environment, capture_output=True, text=True, check=True, timeout=60)
     assert "pulse" in [device["name"] for device in json.loads(listed.stdout)]

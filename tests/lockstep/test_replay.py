@@ -7,7 +7,6 @@ import shlex
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -16,6 +15,7 @@ import pytest
 
 from command_line import called_once
 from mission_fixtures import without_picture
+from processes import ROSS
 from replay_bench import SHORT, replayed
 from ross_payload.service.replay import in_words
 from short_mission import CHEAP, SOON, brief
@@ -72,7 +72,7 @@ def test_two_replays_write_the_same_bytes(taped, again, tmp_path, run):
 def test_two_recordings_of_one_seed_have_the_same_bytes_also_in_another_process(taped, tmp_path):
     _, session = taped
     (tmp_path / "short.toml").write_text(SHORT)
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "-s", "short.toml", "--seed", "3", "--record", "all"]
+    command = [*ROSS, "sitl", "-s", "short.toml", "--seed", "3", "--record", "all"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=250)
     assert done.returncode in (0, 3), done.stderr
     for path in session.iterdir():
@@ -292,7 +292,7 @@ def test_the_guide_works_as_printed(run, monkeypatch, tmp_path):
 
 def test_a_killed_simulation_leaves_a_session_that_can_be_replayed(tmp_path, run):
     (tmp_path / "short.toml").write_text(SHORT)
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "-s", tmp_path / "short.toml", "--speed", "4"]
+    command = [*ROSS, "sitl", "-s", tmp_path / "short.toml", "--speed", "4"]
     with subprocess.Popen([*command, "--record", tmp_path / "all", "--json"], stdout=subprocess.PIPE) as process:
         inputs = tmp_path / "all" / "0001" / "inputs.jsonl"
         deadline = time.monotonic() + 120

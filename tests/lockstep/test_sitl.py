@@ -19,6 +19,7 @@ import soundfile
 from command_line import called_once
 from examples import in_soak
 from mission_fixtures import without_picture
+from processes import ROSS
 from ross_payload.orders import Stop
 from ross_payload.service.runner import Runner
 from ross_sim.clock import SimClock
@@ -30,7 +31,7 @@ pytestmark = pytest.mark.lockstep
 
 
 def ross(*arguments, **options):
-    command = [sys.executable, "-m", "ross_payload.cli", *map(str, arguments)]
+    command = [*ROSS, *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=250, **options)
 
 
@@ -362,7 +363,7 @@ def test_a_second_signal_ends_a_mission_whose_plug_in_computes_for_ever(number, 
     (package / "endless.py").write_text(ENDLESS)
     short.write_text(PAIR + "\n[payload.service]\nautostart = 'seek'\n")
     options = ["--scenario", short, *how, "--separator", "endless", "--out", out]
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", *map(str, options)]
+    command = [*ROSS, "sitl", *map(str, options)]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(package), os.environ.get("PYTHONPATH", "")])}
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
@@ -452,7 +453,7 @@ def test_a_target_asked_for_by_name_is_in_the_room(mission, short, speech, tmp_p
 
 def test_a_sigterm_while_setting_up_leaves_nothing_behind(tmp_path):
     out = tmp_path / "out"
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--out", str(out)]
+    command = [*ROSS, "sitl", "--out", str(out)]
     environment = os.environ | {"ROSS_CACHE": str(tmp_path / "cold")}  # making the voices takes seconds
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment) as process:
         while not out.exists():

@@ -13,6 +13,7 @@ import pytest
 
 from examples import in_soak
 from mission_fixtures import without_figures
+from processes import ROSS
 from ross_sim.study.rows.result_rows import decode
 from ross_sim.study.runs.study_case import perform
 from ross_sim.study.runs.study_design import chosen, tasks
@@ -52,7 +53,7 @@ def journal(out):
 
 
 def start(asked, out, workers):
-    arguments = [sys.executable, "-m", "ross_payload.cli", *asked, "--out", str(out), "--workers", str(workers)]
+    arguments = [*ROSS, *asked, "--out", str(out), "--workers", str(workers)]
     return subprocess.Popen(
         arguments,
         stdout=subprocess.PIPE,
@@ -78,7 +79,7 @@ def alive(group):
 
 
 def test_a_study_outlives_the_reader_of_its_lines(asked, tmp_path):
-    command = [sys.executable, "-m", "ross_payload.cli", *asked, "--out", tmp_path / "out"]
+    command = [*ROSS, *asked, "--out", tmp_path / "out"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
         running.stdout.close()
         assert running.stderr.read() == "ross: nobody reads the output any more; the study goes on for what it writes\n"

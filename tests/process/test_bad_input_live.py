@@ -5,7 +5,6 @@ import os
 import pty
 import shutil
 import subprocess
-import sys
 import time
 import tty
 from contextlib import contextmanager
@@ -15,10 +14,10 @@ import pytest
 import soundfile
 from pymavlink import mavutil
 
+from processes import ROSS
 from ross_protocols.mavlink.codec import Encoder
 from ross_protocols.mavlink.values import DIALECT_VERSION, Information
 
-ROSS = (sys.executable, "-m", "ross_payload.cli")
 RATE = 16000
 
 

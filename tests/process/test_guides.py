@@ -11,6 +11,7 @@ import pytest
 
 from mission_fixtures import without_picture
 from ports import free_port
+from processes import ROSS
 from ross_sim.scenario import load
 from short_mission import CHEAP, SOON, brief
 
@@ -48,7 +49,7 @@ def test_the_guide_reads_the_log_of_a_mission(tmp_path, run):
 def commanded(tmp_path, script, *options):
     """Run a script beside a served payload; the lines that it prints."""
     port = free_port()
-    served = [sys.executable, "-m", "ross_payload.cli", "sitl", "--serve", *options]
+    served = [*ROSS, "sitl", "--serve", *options]
     ground = [sys.executable, "-c", script, f"udpin:127.0.0.1:{port}"]
     with subprocess.Popen([*served, "--telemetry", f"udpout:127.0.0.1:{port}"], cwd=tmp_path) as payload:
         try:

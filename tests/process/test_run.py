@@ -6,7 +6,6 @@ import select
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -18,10 +17,9 @@ from pymavlink import mavutil
 
 import waiting
 from ports import free_port
-from processes import program
+from processes import ROSS, program
 from ross_payload.service.health_socket import asked
 
-ROSS = (sys.executable, "-m", "ross_payload.cli")
 RATE = 16000
 
 

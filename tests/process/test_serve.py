@@ -19,7 +19,7 @@ import soundfile
 from pymavlink import mavutil
 
 from ground_page import browser
-from processes import program
+from processes import ROSS, program
 from ross_sim.scenario import load
 from ross_sim.sitl.serve import linked
 from waiting import wait_for
@@ -34,7 +34,7 @@ def serving(scenario, *arguments):
     ground = mavutil.mavudp("127.0.0.1:0", input=True, source_system=255)
     try:
         url = f"udpout:127.0.0.1:{ground.port.getsockname()[1]}"
-        command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--serve", "--scenario", scenario]
+        command = [*ROSS, "sitl", "--serve", "--scenario", scenario]
         command += ["--telemetry", url, "--speed", "4", "--json", *arguments]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as payload:
             try:

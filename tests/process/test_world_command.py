@@ -4,16 +4,17 @@ import json
 import re
 import signal
 import subprocess
-import sys
 
 import pytest
+
+from processes import ROSS
 
 LATE = re.compile(r"ross: the world is [\d.]+ s late: this computer does not keep up\n")  # which a busy one is told
 
 
 def test_a_world_that_nobody_listens_to_ends_cleanly_with_a_truth_of_nothing(tmp_path):
     out, voice = tmp_path / "out", tmp_path / "voice.wav"
-    command = [sys.executable, "-m", "ross_payload.cli", "world", "one-talker", "--json"]
+    command = [*ROSS, "world", "one-talker", "--json"]
     command += ["--out", out, "--enrolment", voice]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as world:
         told = json.loads(world.stdout.readline())
@@ -48,7 +49,7 @@ def test_speech_to_enrol_from_takes_the_place_of_no_other_file(tmp_path):
     voice = tmp_path / "voice.wav"
 
     def world():
-        command = [sys.executable, "-m", "ross_payload.cli", "world", "one-talker", "--json", "--enrolment", voice]
+        command = [*ROSS, "world", "one-talker", "--json", "--enrolment", voice]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
             process.stdout.readline()
             process.send_signal(signal.SIGINT)

@@ -4,7 +4,6 @@ import json
 import math
 import signal
 import subprocess
-import sys
 import time
 
 import pytest
@@ -12,6 +11,7 @@ import pytest
 from device_bench import device, driver, ross
 from examples import in_soak
 from ports import free_port
+from processes import ROSS
 from waiting import wait_for
 
 pytest.importorskip("can")
@@ -139,7 +139,7 @@ def test_a_killed_payload_leaves_a_still_gimbal(tmp_path):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("command", [["device", "servo"], ["hub", "--listen", "tcp:127.0.0.1:0"]])
 def test_a_signal_ends_it_with_code_0(command, number):
-    started = [sys.executable, "-m", "ross_payload.cli", *command, "--json"]
+    started = [*ROSS, *command, "--json"]
     with subprocess.Popen(started, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         json.loads(process.stdout.readline())
         process.send_signal(number)

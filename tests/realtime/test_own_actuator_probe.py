@@ -6,18 +6,18 @@ Nobody listens there, so the world renders no sound: five of them at once would 
 import os
 import re
 import subprocess
-import sys
 
 import pytest
 
 from own_plugin import run
+from processes import ROSS
 from short_mission import SHORT
 
 
 @pytest.mark.soak
 def test_the_probe_looks_at_one_in_another_process(folder):
     environment = os.environ | {"PYTHONPATH": str(folder / "site")}
-    world = [sys.executable, "-m", "ross_payload.cli", "world", "--actuator", "my_turntable"]
+    world = [*ROSS, "world", "--actuator", "my_turntable"]
     (folder / "short.toml").write_text(SHORT)
     command = [*world[:4], "short.toml", *world[4:]]
     with subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True) as serving:

@@ -5,11 +5,12 @@ import os
 import signal
 import socket
 import subprocess
-import sys
 
 import numpy as np
 import pytest
 import soundfile
+
+from processes import ROSS
 
 START = 60.0  # [s] that a busy computer may need
 
@@ -40,7 +41,7 @@ def payload(tmp_path, manager):
     path = tmp_path / "ross.toml"
     path.write_text(CONFIGURATION.format(audio=tmp_path / "heard.wav", state=tmp_path / "state"))
     environment = {**os.environ, "NOTIFY_SOCKET": manager.getsockname(), "WATCHDOG_USEC": "2000000"}
-    command = [sys.executable, "-m", "ross_payload.cli", "run", path]
+    command = [*ROSS, "run", path]
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
         yield process
         process.kill()

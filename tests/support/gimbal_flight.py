@@ -5,16 +5,15 @@ from __future__ import annotations
 import math
 import signal
 import subprocess
-import sys
 import time
 
 from pymavlink.dialects.v20 import ardupilotmega
 
+from processes import ROSS
 from ross_protocols.mavlink.tunnel import unwrap
 from ross_protocols.mavlink.vehicle import euler
 from waiting import wait_for
 
-ROSS = (sys.executable, "-m", "ross_payload.cli")
 PITCH_YAW, CONFIGURE, REQUEST_MESSAGE, MANAGER_STATUS = 1000, 1001, 512, 281
 ACCEPTED = 0
 PAYLOAD = """

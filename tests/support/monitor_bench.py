@@ -8,18 +8,18 @@ import select
 import socket
 import struct
 import subprocess
-import sys
 import termios
 import threading
 import time
 from contextlib import contextmanager
 
 from emulated_scene import full
+from processes import ROSS
 from ross_protocols.mavlink.codec import Encoder, message_of
 from ross_protocols.mavlink.tunnel import Wrapper
 from ross_protocols.mavlink.values import Heartbeat
 
-MONITOR = (sys.executable, "-m", "ross_payload.cli", "monitor")
+MONITOR = (*ROSS, "monitor")
 TIMEOUT_S = 30.0  # [s]
 ESCAPES = re.compile(rb"\x1b\[[0-9;?]*[A-Za-z]")
 HOME = b"\x1b[H"

@@ -4,11 +4,11 @@ import os
 import resource
 import signal
 import subprocess
-import sys
 from contextlib import contextmanager
 from pathlib import Path
 
 from ports import free_port
+from processes import ROSS
 
 CLOCK = os.sysconf("SC_CLK_TCK")
 PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -19,7 +19,7 @@ class Ground:
 
     def __init__(self, *arguments):
         self.port = free_port()
-        command = [sys.executable, "-m", "ross_payload.cli", "ground", f"udpin:127.0.0.1:{self.port}"]
+        command = [*ROSS, "ground", f"udpin:127.0.0.1:{self.port}"]
         self._command = [*command, "--port", str(free_port()), *map(str, arguments)]
         self.start()
 

@@ -13,6 +13,7 @@ import click
 import pytest
 
 from nobody import nobody
+from processes import ROSS
 from ross_payload import cli
 from ross_payload.notify import on_signal
 
@@ -226,7 +227,7 @@ def test_a_reader_who_has_gone_is_no_fault(asked):
     """As `ross sitl --list | head -1`: click ends the program then, as a plug-in might."""
     reader, writer = os.pipe()
     os.close(reader)
-    command = [sys.executable, "-m", "ross_payload.cli", *asked]
+    command = [*ROSS, *asked]
     with os.fdopen(writer, "wb") as output:
         done = subprocess.run(command, stdout=output, stderr=subprocess.PIPE, text=True, check=False, timeout=60)
     assert (done.returncode, done.stderr) == (1, "")
@@ -322,7 +323,7 @@ def test_nothing_is_said_of_a_reader_who_has_gone():
     """As a pager that is left before the end: click asks Python to exit, with the code of an error."""
     read, write = os.pipe()
     os.close(read)
-    command = [sys.executable, "-m", "ross_payload.cli", "--help"]
+    command = [*ROSS, "--help"]
     with os.fdopen(write, "wb") as gone:
         done = subprocess.run(command, stdout=gone, stderr=subprocess.PIPE, text=True, check=False, timeout=60)
     assert (done.returncode, done.stderr) == (1, "")

@@ -2,10 +2,10 @@
 
 import json
 import subprocess
-import sys
 
 import pytest
 
+from processes import ROSS
 from reports import gain
 from short_mission import as_long
 
@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.soak, pytest.mark.timeout(1200)]
 def flown(folder, actuator, seed):
     """The report of the default scenario."""
     out = folder / f"{actuator}-{seed}"
-    command = [sys.executable, "-m", "ross_payload.cli", "sitl", "--scenario", str(as_long(folder))]
+    command = [*ROSS, "sitl", "--scenario", str(as_long(folder))]
     subprocess.run(
         [*command, "--actuator", actuator, "--seed", str(seed), "--out", str(out)], check=True, capture_output=True
     )

@@ -9,6 +9,7 @@ import threading
 
 import pytest
 
+from processes import ROSS
 from ross_payload.events import State, StateChanged
 from ross_payload.health import AudioHealth, AudioTrouble, RecordingStatus
 from ross_payload.service.condition import Condition
@@ -106,7 +107,7 @@ def test_the_condition_is_told_in_words_that_the_log_has():
 
 def test_nobody_there_is_one_line_and_exit_code_1(tmp_path):
     environment = os.environ | {"STATE_DIRECTORY": str(tmp_path)}
-    command = [sys.executable, "-m", "ross_payload.cli", "health"]
+    command = [*ROSS, "health"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr == f"ross: no payload answers at {tmp_path / NAME}: No such file or directory\n"

@@ -4,7 +4,6 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 import time
 import tomllib
 
@@ -13,6 +12,7 @@ import pytest
 import soundfile
 
 from command_line import called
+from processes import ROSS
 from ross_payload.bounded_files import set_aside
 from ross_payload.config import Config
 from ross_payload.config.parameter_store import Parameters
@@ -147,7 +147,7 @@ def test_the_whole_service_starts_beside_a_named_pipe_and_nested_json(whole, tmp
     (folder / "ross.toml").write_text(
         '[audio]\nsource = "file:n.wav"\n[service]\nstate_dir = "state"\n[recording]\nalways = true\n'
     )
-    command = [sys.executable, "-m", "ross_payload.cli", "run", "ross.toml"]
+    command = [*ROSS, "run", "ross.toml"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr

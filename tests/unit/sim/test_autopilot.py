@@ -3,13 +3,13 @@
 import math
 import socket
 import subprocess
-import sys
 import time
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from ports import free_port
+from processes import ROSS
 from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.values import Health, Heartbeat
@@ -233,7 +233,7 @@ def test_heartbeat_time_and_attitude_come_unasked(air):
 def test_as_a_process_it_passes_messages_between_sockets():
     ports = free_port(), free_port()
     links = [part for port in ports for part in ("--link", f"udpin:127.0.0.1:{port}")]
-    command = [sys.executable, "-m", "ross_payload.cli", "autopilot", *links]
+    command = [*ROSS, "autopilot", *links]
     with (
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process,
         socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as payload,
