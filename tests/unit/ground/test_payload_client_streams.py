@@ -20,6 +20,7 @@ from ross_protocols.mavlink.codec import Decoder, Encoder
 from ross_protocols.mavlink.commands import Result, command_of
 from ross_protocols.mavlink.dialect import common, ross
 from ross_protocols.mavlink.stream_values import Selection
+from scripted_station import with_payload
 
 HERE = ("127.0.0.1", 5004)
 SDP = "v=0\r\no=- 1 1 IN IP4 10.0.0.1\r\ns=RoSS stream 0\r\n" + "a=long\r\n" * 200
@@ -56,14 +57,6 @@ class Answering(HandStation):
 
     def announce(self):
         self.say(*(replace(stream, count=max(self.streams) + 1) for stream in self.streams.values()))
-
-
-def with_payload(station, work):
-    async def claim():
-        async with Payload(station, PAYLOAD) as payload:
-            return await work(payload)
-
-    return asyncio.run(asyncio.wait_for(claim(), 60))
 
 
 def test_a_stream_is_ordered_and_returned_as_announced():

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from examples import in_soak
+from live_mixtures import FRAMES, SCENE, listened, mixture
 from ross_payload.interfaces import Complex, LiveSeparator
 from ross_payload.separation import live_gaussian
 from ross_payload.separation.live_gaussian import Learnt
 from ross_payload.separation.local_gaussian_model import separator
-from tests.support.live_mixtures import FRAMES, SCENE, listened, mixture
 
 EVERY = 31  # frames between renewals, 0.25 s
 AROUND = 4  # frames on either side of a renewal over which a level is taken

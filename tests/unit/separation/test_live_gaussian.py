@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from examples import rows_in_soak
+from live_mixtures import FRAMES, FREQUENCIES, LONGEST, SCENE, TAU, listened, mixture, ratio_db
 from ross_payload.dsp.steering import steering_vectors
 from ross_payload.errors import ConfigError, NotLive
 from ross_payload.interfaces import Complex, Scene
 from ross_payload.plugin_checks import load_separator
-from tests.support.live_mixtures import FRAMES, FREQUENCIES, LONGEST, SCENE, TAU, listened, mixture, ratio_db
 
 
 @pytest.mark.parametrize(("lookahead", "worse_db"), [(2, 1.5), *rows_in_soak((0, 2.0), (1, 1.5))])

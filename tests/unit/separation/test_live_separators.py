@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from examples import in_soak
+from live_mixtures import LONGEST, SCENE, TAU, bins, listened, mixture
 from ross_payload.errors import NotLive, PluginError
 from ross_payload.interfaces import Complex, Groups, Scene
 from ross_payload.plugin_checks import CheckedSeparator, load_separator
@@ -13,7 +14,6 @@ from ross_payload.separation import auto_separator, duet, local_gaussian_model
 from ross_payload.separation.network import network_of
 from ross_payload.separation.refined import Refined
 from ross_sim.study.training.refiner_model import initial
-from tests.support.live_mixtures import LONGEST, SCENE, TAU, bins, listened, mixture
 
 FINE = np.fft.rfftfreq(1600, 1 / 16000)  # bins of 10 Hz, which the network was trained for
 
