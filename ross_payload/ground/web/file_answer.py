@@ -8,8 +8,8 @@ from aiohttp import hdrs, web
 from aiohttp.abc import AbstractStreamWriter
 
 from ross_payload.ground.web.rest.problems import is_problem, refusal_of_http
+from ross_payload.ground.web.security import PRIVATE
 
-PRIVATE = {"Cache-Control": "no-store"}  # what people said is in such files: browsers keep no copy
 ERRORS: dict[int, type[web.HTTPException]] = {
     error.status_code: error
     for error in (web.HTTPForbidden, web.HTTPNotFound, web.HTTPPreconditionFailed, web.HTTPRequestRangeNotSatisfiable)

@@ -16,7 +16,8 @@ from aiohttp import web
 
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.recordings import RecordingStore, described
-from ross_payload.ground.web.file_answer import PRIVATE, FileAnswer
+from ross_payload.ground.web.file_answer import FileAnswer
+from ross_payload.ground.web.security import PRIVATE
 
 CHUNK = 1 << 20  # [bytes] that are read at once
 ZIP = "application/zip"

@@ -23,6 +23,7 @@ HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-cache",
 }
+PRIVATE = {"Cache-Control": "no-store"}  # what people said, and where they are: browsers and proxies keep no copy
 SHORTEST = 16  # characters of a token
 TRIES = 5  # wrong tokens from one address before it waits
 WAIT = 30.0  # [s]

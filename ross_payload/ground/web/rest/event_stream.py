@@ -17,10 +17,11 @@ from ross_payload.ground.client.events import events_between
 from ross_payload.ground.client.streams import Wakeup
 from ross_payload.ground.errors import LinkLost
 from ross_payload.ground.model.payload_state import PayloadState
-from ross_payload.ground.web.rest.operation import PRIVATE, Call
+from ross_payload.ground.web.rest.operation import Call
 from ross_payload.ground.web.rest.order_handlers import told_of
 from ross_payload.ground.web.rest.page_answers import OrderStatus
 from ross_payload.ground.web.rest.places import OfPayload
+from ross_payload.ground.web.security import PRIVATE
 from ross_protocols.mavlink.codec import Packet
 
 MEDIA = "text/event-stream"

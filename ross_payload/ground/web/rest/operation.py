@@ -19,11 +19,10 @@ from ross_payload.ground.web.connections import HEADER_TIMEOUT
 from ross_payload.ground.web.operator import Operator
 from ross_payload.ground.web.rest.problems import Place, Refusal, WrongValue
 from ross_payload.ground.web.rest.programs import Programs
-from ross_payload.ground.web.security import shown
+from ross_payload.ground.web.security import PRIVATE, shown
 from ross_payload.ground.web.websocket_sessions import WebSocketSessions
 
 JSON = "application/json"
-PRIVATE = {"Cache-Control": "no-store"}  # what people said, and where they are, is kept by nobody on the way
 
 Handle = Callable[..., Awaitable[Any]]
 
