@@ -19,6 +19,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 
 from ross_payload.ground.web.app import in_background
+from ross_sim.sitl.page_observer import free_port
 
 STATIC = Path(__file__).parent / "_static"
 PAYLOAD = "1-191"
@@ -128,14 +129,6 @@ def keep(picture: bytes, path: Path) -> None:
         file.write(picture)
         with Image.open(file) as shot:
             shot.convert("RGB").quantize(COLOURS).save(path, optimize=True)
-
-
-def free_port() -> int:
-    """Return a UDP port that nobody listens on."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 if __name__ == "__main__":

@@ -165,7 +165,7 @@ def page_observer(folder: Path | None, recordings: Path | None = None) -> Iterat
     click.UsageError
         When what the page needs is not installed.
     """
-    port = _free_port()
+    port = free_port()
     catalog = None if recordings is None else Catalog(SessionStore(recordings))
     with _served([f"udpin:127.0.0.1:{port}"], folder, catalog) as served:
         yield PageObserver(served.url, f"udpout:127.0.0.1:{port}", served.state)
@@ -187,7 +187,8 @@ def _served(urls: list[str], folder: Path | None, recordings: Catalog | None) ->
         yield served
 
 
-def _free_port() -> int:
+def free_port() -> int:
+    """Return a UDP port that nobody listens on."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         port: int = probe.getsockname()[1]
