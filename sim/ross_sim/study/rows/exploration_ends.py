@@ -21,8 +21,8 @@ STOP = "stop"  # the schedule that ends where the explorer is certain
 
 
 @dataclass(frozen=True, slots=True)
-class End:
-    """Where a schedule of an exploration ends."""
+class Explored:
+    """Which exploration a row is about."""
 
     setting: str
     k: int
@@ -33,6 +33,12 @@ class End:
     explorer: str
     unit_s: float
     turning_deg_s: float  # 0: step by step
+
+
+@dataclass(frozen=True, slots=True)
+class End(Explored):
+    """Where a schedule of an exploration ends."""
+
     schedule: str  # a number of rotations, or stop
     rotations: int
 

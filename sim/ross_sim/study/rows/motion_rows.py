@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ross_payload.interfaces import Real
-from ross_sim.study.rows.exploration_ends import stopped
+from ross_sim.study.rows.exploration_ends import Explored, stopped
 from ross_sim.study.rows.intervals import mean_cell, rate_cell
 from ross_sim.study.rows.result_rows import Exploration
 from ross_sim.study.rows.tables import Table, grouped
@@ -35,18 +35,9 @@ ABOUT = "Times are means, rates have Wilson intervals, ratios those of 2000 resa
 
 
 @dataclass(frozen=True, slots=True)
-class MotionRow:
+class MotionRow(Explored):
     """One exploration over time."""
 
-    setting: str
-    k: int
-    layout: int
-    seed: int
-    version: str
-    start: int
-    explorer: str
-    unit_s: float
-    turning_deg_s: float  # 0: step by step
     times_s: tuple[float, ...]  # since it began
     right: tuple[bool, ...]  # K and every azimuth, then
     certain: tuple[bool, ...]  # the explorer, then
