@@ -11,10 +11,10 @@ What takes several exchanges is a script: a generator that goes on with every po
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 
 from ross_payload.actuators.driver_shell import TIME_TOLERANCE_S, Driver, DriverBackend, Move, Request, capabilities_of
-from ross_payload.actuators.grbl.grbl_client import GrblClient
+from ross_payload.actuators.grbl.grbl_client import GrblClient, Script
 from ross_payload.actuators.grbl.options import Options
 from ross_payload.errors import ActuatorFault, LimitError, LinkError
 from ross_payload.interfaces import ActuatorState, Clock, Feedback, Port
@@ -22,7 +22,6 @@ from ross_protocols.grbl.protocol import State
 
 REPORT_PERIOD_S = 0.020  # [s] between two reports
 STALE_REPORT_S = 0.3  # [s]: a report that is older proves nothing
-Script = Generator[None, None, None]
 
 
 class Grbl(Driver):
