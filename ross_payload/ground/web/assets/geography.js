@@ -84,7 +84,7 @@ const cornerOf = (column, row, zoom) => ({
 });
 
 /** The place at so many metres east and north of an origin. @returns {Place} */
-export const placeAt = (origin, [east, north]) => ({
+const placeAt = (origin, [east, north]) => ({
   lat: origin.lat + north / RADIUS / RADIAN,
   lon: origin.lon + east / (RADIUS * Math.cos(origin.lat * RADIAN)) / RADIAN,
 });

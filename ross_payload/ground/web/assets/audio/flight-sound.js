@@ -114,4 +114,4 @@ export class FlightSound {
 }
 
 /** Where a track of a flight is to be had. */
-export const soundOf = (name, track) => `/flights/${encodeURIComponent(name)}/sound/${encodeURIComponent(track)}`;
+const soundOf = (name, track) => `/flights/${encodeURIComponent(name)}/sound/${encodeURIComponent(track)}`;

@@ -15,7 +15,7 @@ const decibel = (amplitude) => Math.max(QUIET, 20 * Math.log10(amplitude || 1e-9
 const OFF = { on: false, id: null, phase: "off", told: null, played: null, trip: null, age: null, why: "" };
 
 /** Return the address of the sound of a payload beside this page. */
-export const soundAddress = ({ protocol, host }, id) =>
+const soundAddress = ({ protocol, host }, id) =>
   `${protocol === "https:" ? "wss" : "ws"}://${host}/listen?id=${encodeURIComponent(id)}`;
 
 export class Listening {

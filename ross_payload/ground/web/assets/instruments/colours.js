@@ -5,7 +5,7 @@
 
 import { html, svg } from "../templates.js";
 
-export const COLOURS = 8;
+const COLOURS = 8;
 const PATTERNS = 4;
 
 const SHAPES = [

@@ -43,7 +43,7 @@ function apart(angles, boxes, place, radii) {
 }
 
 /** The nearest places (least squares) that keep the gaps: those that would meet move as one block. */
-export function pushed(wanted, gaps) {
+function pushed(wanted, gaps) {
   const offsets = wanted.map((_, place) => gaps.slice(0, place).reduce((sum, gap) => sum + gap, 0));
   const blocks = [];
   wanted.forEach((angle, place) => {
