@@ -93,9 +93,9 @@ def ground():
     link.close()
 
 
-def texts_until(ground, words, seconds=30):
+def texts_until(ground, words):
     """Listen until a text has these words; long texts come in parts."""
-    heard, end = "", time.monotonic() + seconds
+    heard, end = "", time.monotonic() + 30
     while words not in heard:
         assert time.monotonic() < end, heard
         message = ground.recv_match(type="STATUSTEXT", blocking=True, timeout=1)

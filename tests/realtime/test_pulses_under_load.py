@@ -5,14 +5,12 @@ The move is then lost, and says so. A busy loop takes a whole core with the prio
 
 import pytest
 
-from pulse_rig import HOME, REARM, SEPARATING, Rig, busy_loops, noise_file
+from pulse_rig import HOME, REARM, SEPARATING, Rig, busy_loops
 from ross_sim.study.rows.promptness_rows import PulseRow
 
 pytestmark = pytest.mark.alone
 ACCEPTED = 0  # MAV_RESULT
-RATE = 16000
 SAFE_MS = 100
-SECONDS = 600  # of noise that the payload hears
 WITHOUT_RIGHTS = """
 import ctypes, os, resource, sys
 resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
@@ -59,12 +57,6 @@ CASES = [
     ("separating, urgent pump, Nice=-10", 40, 25),
     ("separating, urgent pump", SAFE_MS, 25),
 ]
-
-
-@pytest.fixture(scope="module")
-def noise(tmp_path_factory):
-    """What the payload hears."""
-    return noise_file(tmp_path_factory.mktemp("noise"), SECONDS, RATE)
 
 
 @pytest.fixture

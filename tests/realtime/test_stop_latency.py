@@ -14,7 +14,7 @@ from contextlib import ExitStack, contextmanager, nullcontext, suppress
 import numpy as np
 import pytest
 
-from pulse_rig import CANCEL, HOME, REARM, SEPARATING, STOP, Rig, busy_loops, deceleration_began, noise_file, rises
+from pulse_rig import CANCEL, HOME, REARM, SEPARATING, STOP, Rig, busy_loops, deceleration_began, rises
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.actuators.tb6600.pulse_segments import RecordingPulses
 from ross_payload.clock import SystemClock
@@ -35,8 +35,6 @@ ENDS = {
     signal.SIGTERM: "SIGTERM",
     signal.SIGUSR1: "a periodic call of the pump raises",
 }  # in a process that breaks on request
-RATE = 16000
-SECONDS = 600  # of noise that the payload hears
 STREAM = """
 [[listening.streams]]
 sink = "tcp"
@@ -74,12 +72,6 @@ def test_the_beginning_of_a_deceleration_is_found_in_the_steps_of_a_whole_move()
     steps = rises(port.sent, 0.0)
     assert steps.size == 800
     assert deceleration_began(steps) == pytest.approx((steps[0] + steps[-1]) / 2, abs=1e-9)  # the move is symmetric
-
-
-@pytest.fixture(scope="module")
-def noise(tmp_path_factory):
-    """What the payload hears."""
-    return noise_file(tmp_path_factory.mktemp("noise"), SECONDS, RATE)
 
 
 @pytest.fixture

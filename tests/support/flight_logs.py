@@ -69,9 +69,9 @@ def vehicle_frames(system=1, steps=10):
         yield encoder.encode(common.MAVLink_global_position_int_message(step * 100, *place))
 
 
-def raw_frame(number, payload, sequence=0, system=1, component=191):
+def raw_frame(number, payload, sequence=0, component=191):
     """A MAVLink 2 frame of a message with any payload, with the right checksum."""
-    head = bytes([len(payload), 0, 0, sequence % 256, system, component]) + number.to_bytes(3, "little")
+    head = bytes([len(payload), 0, 0, sequence % 256, 1, component]) + number.to_bytes(3, "little")
     crc = mcrf4xx(head + payload + bytes([MESSAGES[number].crc_extra]))
     return b"\xfd" + head + payload + crc.to_bytes(2, "little")
 

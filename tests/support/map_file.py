@@ -10,22 +10,24 @@ from functools import cache
 PLACE = (47.0, 8.0)  # latitude, longitude [deg] in the middle
 LEVELS = (14, 15, 16)
 AROUND = 3  # tiles to each side of the middle one
+SIDE = 256  # of a tile [pixels]
 
 
 @cache
-def png(red, green, blue, side=256):
+def png(red, green, blue):
     """Return a picture of one colour."""
-    rows = (b"\x00" + bytes((red, green, blue)) * side) * side
+    rows = (b"\x00" + bytes((red, green, blue)) * SIDE) * SIDE
 
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    head = struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
+    head = struct.pack(">IIBBBBB", SIDE, SIDE, 8, 2, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
 
 
-def tile_at(zoom, latitude=PLACE[0], longitude=PLACE[1]):
-    """Return column and row, counted from the north, of the tile that holds a place."""
+def tile_at(zoom):
+    """Return column and row, counted from the north, of the tile that holds `PLACE`."""
+    latitude, longitude = PLACE
     north = math.asinh(math.tan(math.radians(latitude)))
     share = (longitude + 180) / 360, (1 - north / math.pi) / 2
     return tuple(int(each * 2**zoom) for each in share)

@@ -7,6 +7,7 @@ import time
 from contextlib import ExitStack, contextmanager
 
 import numpy as np
+import pytest
 import soundfile
 
 from ross_payload.actuators.tb6600.pulse_segments import PulseCodec, PulseLine, RecordingPulses
@@ -15,6 +16,7 @@ from ross_sim.devices.wire_servers import WireServer
 from waiting import wait_for
 
 BUSY = "while True: pass"
+RATE, SECONDS = 16000, 600  # of noise
 LOOPBACK = "127.0.0.1"
 AT_REST = 0.2  # [s] without a step: longer than between two of them, and than a segment is on its way
 STEPS = 112.5 / 0.1125  # acceleration [1/s^2] at sixteenth steps
@@ -52,10 +54,11 @@ cli.main()
 """
 
 
-def noise_file(folder, seconds, rate):
-    """Write what a payload hears that has nobody to hear; the path."""
-    path = folder / "noise.wav"
-    soundfile.write(path, np.random.default_rng(0).integers(-300, 300, (seconds * rate, 2), np.int16), rate)
+@pytest.fixture(scope="module")
+def noise(tmp_path_factory):
+    """The file of what a payload hears that has nobody to hear."""
+    path = tmp_path_factory.mktemp("noise") / "noise.wav"
+    soundfile.write(path, np.random.default_rng(0).integers(-300, 300, (SECONDS * RATE, 2), np.int16), RATE)
     return path
 
 
@@ -157,9 +160,9 @@ class Rig:
 
 
 @contextmanager
-def busy_loops(count=2):
-    """Processes that compute without a pause."""
-    loops = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(count)]
+def busy_loops():
+    """Two processes that compute without a pause."""
+    loops = [subprocess.Popen([sys.executable, "-c", BUSY]) for _ in range(2)]
     try:
         yield
     finally:

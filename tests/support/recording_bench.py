@@ -19,10 +19,10 @@ SUPPORT = str(Path(__file__).parent)  # where another process finds this
 GRID = 2.0**-23
 
 
-def block_of(index, raw=None):
+def block_of(index):
     generator = np.random.default_rng(index)
     samples = generator.integers(-(2**23), 2**23, (2, HOP)).astype(np.float32) * np.float32(GRID)
-    return AudioBlock(samples, index * HOP, 0.1 + index * 0.01, raw=raw)
+    return AudioBlock(samples, index * HOP, 0.1 + index * 0.01)
 
 
 def input_of(index, **changes):

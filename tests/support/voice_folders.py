@@ -7,10 +7,12 @@ import soundfile
 
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
+RATE = 16000
 
-def voice_folder(folder: Path, indices: Iterable[int], seconds: int, rate: int = 16000) -> Path:
+
+def voice_folder(folder: Path, indices: Iterable[int], seconds: int) -> Path:
     """Write the voices of the cast with these indices, so many seconds of each; return the folder."""
     for index in indices:
-        voice = synthetic_voice(index, rate)
-        soundfile.write(folder / f"{voice.name}.wav", voice.speech[: seconds * rate], rate)
+        voice = synthetic_voice(index, RATE)
+        soundfile.write(folder / f"{voice.name}.wav", voice.speech[: seconds * RATE], RATE)
     return folder

@@ -21,9 +21,9 @@ def wait_for(found: Callable[[], T], seconds: float = LIMIT_S, what: object = "i
     return thing
 
 
-async def wait_for_async(found: Callable[[], T], seconds: float = LIMIT_S) -> T:
+async def wait_for_async(found: Callable[[], T]) -> T:
     """Return what is found as soon as there is something, and let others go on meanwhile."""
-    async with asyncio.timeout(seconds):
+    async with asyncio.timeout(LIMIT_S):
         while not (thing := found()):
             await asyncio.sleep(LOOK_S)
     return thing

@@ -17,9 +17,9 @@ STFT = Stft(RATE, 512, 128)
 PERIOD = STFT.hop / RATE
 
 
-def plane_wave(tau: float, n_frames: int = 60, seed: int = 0) -> tuple[Complex, Real]:
+def plane_wave(tau: float, n_frames: int = 60) -> tuple[Complex, Real]:
     """One source with TDOA ``tau`` [s], gated in bursts, below 3.4 kHz."""
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     frequencies = STFT.frequencies[10:109]
     source = rng.standard_normal((99, n_frames)) + 1j * rng.standard_normal((99, n_frames))
     source *= np.arange(n_frames) % 20 >= 10

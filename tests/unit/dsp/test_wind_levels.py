@@ -17,9 +17,9 @@ def spectrogram(samples):
     return STFT.analyse(samples.astype(np.float32))
 
 
-def gust(seconds=4.0, seed=1):
+def gust(seconds=4.0):
     """Even wind that is 20 dB louder in the middle, and by how much at every frame [dB]."""
-    even = wind(RATE, np.random.default_rng(seed), gusts=False, seconds=seconds)
+    even = wind(RATE, np.random.default_rng(1), gusts=False, seconds=seconds)
     times = np.arange(even.shape[1]) / RATE
     louder = 20 * np.exp(-(((times - seconds / 2) / 0.4) ** 2))
     frames = np.arange(STFT.frames_of(even.shape[1])) * STFT.period

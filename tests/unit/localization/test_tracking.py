@@ -63,10 +63,10 @@ def beliefs_of(tracks):
     return Beliefs(odds, ways, tracks.azimuths, tracks.spreads, tracks.elevations, 1.0)
 
 
-def odds_of(tracks, k, degrees, within=15.0):
-    """How likely source ``k`` is near an azimuth [deg]."""
+def odds_of(tracks, k, degrees):
+    """How likely source ``k`` is within 15 deg of an azimuth [deg]."""
     off = np.abs(np.angle(np.exp(1j * (AZIMUTHS - math.radians(degrees)))))
-    return float(tracks.places[k][off < math.radians(within)].sum())
+    return float(tracks.places[k][off < math.radians(15)].sum())
 
 
 def at(degrees):

@@ -270,9 +270,9 @@ def test_a_goal_is_sent_once_and_the_next_when_it_is_reached():
 # ------------------------------------------------------------------------------------------ what is kept
 
 
-def heard_over(degrees, hops, start=0.0, base=0.0):
+def heard_over(degrees, hops, base=0.0):
     kept, one = HeardTurning(RATE), Turntable(None, rate=np.deg2rad(degrees) / (hops * HOP / RATE), base=base)
-    one.joint, one.goal = np.deg2rad(start), np.deg2rad(start + degrees)
+    one.joint, one.goal = 0.0, np.deg2rad(degrees)
     kept.begin()
     for _ in range(hops):
         kept.add(one._hear())

@@ -19,11 +19,11 @@ from ross_sim.study.runs.talker_placement import standard_voices
 from ross_sim.study.scenes.mixtures import RATE, VOICES
 
 
-def folder_of(folder: Path, names: Sequence[str], seconds: int = 6) -> Path:
-    """Write a recording of noise for every name."""
+def folder_of(folder: Path, names: Sequence[str]) -> Path:
+    """Write six seconds of noise for every name."""
     folder.mkdir(exist_ok=True)
     for number, name in enumerate(names):
-        noise = 0.1 * np.random.default_rng(number).standard_normal(seconds * RATE)
+        noise = 0.1 * np.random.default_rng(number).standard_normal(6 * RATE)
         soundfile.write(folder / f"{name}.wav", noise, RATE)
     return folder
 
