@@ -9,6 +9,7 @@ from types import ModuleType
 import pytest
 from pymavlink import mavutil
 
+from flight_logs import MAVLOGDUMP
 from ports import free_port
 from ross_payload.clock import SystemClock
 from ross_payload.config import Link
@@ -28,15 +29,6 @@ STORY: list[Value] = [
     *SOURCES,
     Text(Severity.NOTICE, "RoSS: 2 sources found after 12 turns"),
 ]
-
-MAVLOGDUMP = """
-import runpy, sys
-from pymavlink.dialects import v20
-from ross_protocols.mavlink.dialect import ross
-v20.ross = ross
-sys.modules["pymavlink.dialects.v20.ross"] = ross
-runpy.run_module("pymavlink.tools.mavlogdump", run_name="__main__")
-"""
 
 
 @pytest.fixture(params=[ross, common], ids=["our dialect", "only the common dialect"])

@@ -28,7 +28,6 @@ FOLLOW, LOCK = gimbals.GimbalMode.YAW_FOLLOW, gimbals.GimbalMode.YAW_LOCK
 PRIMARY, NONE = gimbals.ControlMode.PRIMARY, gimbals.ControlMode.NONE
 EXPLORE, CANCELLED = 54000, 6
 STANDALONE, DEVICE = '[gimbal]\nmode = "standalone"\n', '[gimbal]\nmode = "device"\n'
-COMPASS = "[mount]\nyaw_deg = 90.0\n"
 
 
 class Client:

@@ -23,6 +23,14 @@ from ross_protocols.mavlink.values import (
 )
 
 UNIX = 1_790_000_000_000_000  # [us]
+MAVLOGDUMP = """
+import runpy, sys
+from pymavlink.dialects import v20
+from ross_protocols.mavlink.dialect import ross
+v20.ross = ross
+sys.modules["pymavlink.dialects.v20.ross"] = ross
+runpy.run_module("pymavlink.tools.mavlogdump", run_name="__main__")
+"""  # a program that knows our dialect
 
 
 def record(usec, frame):

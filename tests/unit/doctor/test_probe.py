@@ -218,8 +218,8 @@ def test_a_wrong_gear_is_noticed_where_somebody_measures() -> None:
     assert math.degrees(on.high - on.low) < 30
 
 
-def test_ctrl_c_in_a_move_stops_it() -> None:
-    on = Workbench("ideal")
+def interrupted(on: Workbench) -> None:
+    """Probe with a move, and interrupt that 2 deg from where it begins."""
 
     def interrupt() -> None:
         if on.far_end.angle() > math.radians(2) and not caught:
@@ -230,6 +230,11 @@ def test_ctrl_c_in_a_move_stops_it() -> None:
     on.clock.every(0.01, interrupt)
     with pytest.raises(KeyboardInterrupt):
         on.probe(move=lambda: True)
+
+
+def test_ctrl_c_in_a_move_stops_it() -> None:
+    on = Workbench("ideal")
+    interrupted(on)
     here = on.far_end.angle()
     on.clock.sleep(1.0)
     assert math.degrees(here) < 2.3
@@ -331,16 +336,7 @@ def test_a_declared_zero_is_doubted_that_a_payload_has_died_away_from(kind: str,
 @pytest.mark.parametrize("kind", ["tb6600", "grbl"])
 def test_who_is_interrupted_away_from_a_declared_zero_leaves_a_mark(kind: str, state: Path) -> None:
     on = Workbench(kind)
-
-    def interrupt() -> None:
-        if on.far_end.angle() > math.radians(2) and not caught:
-            caught.append(True)
-            raise KeyboardInterrupt
-
-    caught: list[bool] = []
-    on.clock.every(0.01, interrupt)
-    with pytest.raises(KeyboardInterrupt):
-        on.probe(move=lambda: True)
+    interrupted(on)
     assert (state / "away").exists()
 
 

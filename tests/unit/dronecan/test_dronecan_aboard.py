@@ -6,7 +6,6 @@ import sys
 import pytest
 
 from dronecan_bench import URL, Peer, payload, play
-from dronecan_wire import Wire
 from ross_payload.actuators.wires import open_wire
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config
@@ -18,16 +17,6 @@ from ross_protocols.dronecan.messages import ArrayCommand, NodeStatus, Received
 from ross_protocols.dronecan.node_messages import Decoder
 from ross_protocols.dronecan.params import GetSetRequest, GetSetResponse, Opcode, OpcodeRequest, OpcodeResponse
 from ross_protocols.dronecan.services import NodeInfo, NodeInfoRequest, RestartRequest, RestartResponse
-
-
-@pytest.fixture
-def wire():
-    return Wire()
-
-
-@pytest.fixture
-def peer(wire):
-    return Peer(wire)
 
 
 def test_every_parameter_is_read_by_index_and_by_name(wire, peer, tmp_path):

@@ -7,23 +7,13 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from dronecan_wire import UNIQUE, Stranger, Wire, node_on, of, run
+from dronecan_wire import UNIQUE, node_on, of, run
 from ross_payload.dronecan.node import Identity, Node
 from ross_payload.dronecan.shared_bus import SharedBuses, node_of
 from ross_payload.errors import LinkError
 from ross_protocols.can import CanFrame
 from ross_protocols.dronecan.messages import NodeStatus
 from ross_sim.clock import SimClock
-
-
-@pytest.fixture
-def wire():
-    return Wire()
-
-
-@pytest.fixture
-def stranger(wire):
-    return Stranger(wire, 9)
 
 
 def test_a_bus_that_is_down_is_named_and_forgotten_when_it_is_back(wire, stranger):

@@ -13,16 +13,6 @@ from ross_protocols.dronecan.node_messages import Reply
 from ross_protocols.dronecan.services import NodeInfo, NodeInfoRequest, TransportStats, TransportStatsRequest
 
 
-@pytest.fixture
-def wire():
-    return Wire()
-
-
-@pytest.fixture
-def stranger(wire):
-    return Stranger(wire, 9)
-
-
 def test_the_heart_beats_once_a_second_and_says_how_the_node_is(wire, stranger):
     node = node_on(wire)
     node.stands(Health.ERROR, Mode.OPERATIONAL, 9)

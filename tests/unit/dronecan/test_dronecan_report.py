@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dronecan_bench import Peer, play
-from dronecan_wire import Wire, of
+from dronecan_bench import play
+from dronecan_wire import of
 from ross_payload.config import Config, validated
 from ross_payload.events import (
     AlignmentCandidate,
@@ -35,16 +35,6 @@ from ross_sim.devices.bus_nodes import lasts
 from session_bench import Likes
 
 ROOT = Path(__file__).parents[3]
-
-
-@pytest.fixture
-def wire():
-    return Wire()
-
-
-@pytest.fixture
-def peer(wire):
-    return Peer(wire)
 
 
 def test_status_comes_five_times_a_second_and_follows_a_turn(wire, peer, tmp_path):

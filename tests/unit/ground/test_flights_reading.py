@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common as pymavlink_common
 
 from examples import examples
-from flight_logs import UNIX, frames, full_tick, log_of, vehicle_frames
+from flight_logs import MAVLOGDUMP, UNIX, frames, full_tick, log_of, vehicle_frames
 from ross_payload.ground.errors import GroundError
 from ross_payload.ground.flights import bookmarks, log_file
 from ross_payload.ground.flights.frame_stats import tallies
@@ -181,16 +181,6 @@ def test_a_log_that_shrinks_under_the_reader_ends_early(tmp_path):
     flight = open_flight(path)
     os.truncate(path, 500)
     assert 0 < len(list(flight.packets(np.arange(22)))) < 22
-
-
-MAVLOGDUMP = """
-import runpy, sys
-from pymavlink.dialects import v20
-from ross_protocols.mavlink.dialect import ross
-v20.ross = ross
-sys.modules["pymavlink.dialects.v20.ross"] = ross
-runpy.run_module("pymavlink.tools.mavlogdump", run_name="__main__")
-"""
 
 
 @pytest.mark.soak
