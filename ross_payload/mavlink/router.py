@@ -30,13 +30,12 @@ from ross_protocols.mavlink.commands import is_stop
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.peers import PRESENT
 from ross_protocols.mavlink.signing import Guardian
+from ross_protocols.mavlink.vehicle import AUTOPILOT, NO_AUTOPILOT
 
 LOCAL = "local"  # the link and the role of what our own components say
 MOST_LOCAL = 1000  # frames that wait for the next poll
 MOST_SENT = 4096  # frames that are known again, about ten seconds of three busy links
 HEAD, PAYLOAD = 4, 10  # where the sequence number and the payload of a frame begin
-AUTOPILOT = 1  # component id
-NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID
 HELD_UP = 3.0  # [s] without a poll, after which senders have given up what they ordered meanwhile
 CATCHING_UP = 1.0  # [s] after such a pause in which what arrives may have waited
 UNKNOWN_SYSTEM = 1  # what we call ourselves towards an autopilot whose system id we wait for

@@ -17,6 +17,7 @@ from ross_protocols.mavlink.field_converters import clockwise
 
 NO_HEADING = 65535  # of GLOBAL_POSITION_INT
 AUTOPILOT = 1  # component id: MAV_COMP_ID_AUTOPILOT1
+NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID
 SINCE_1970 = 1_577_836_800  # UNIX time of 2020 [s]: a clock that says less has not been set
 EVERYBODY = ComponentId(0, 0)  # as a target
 STEEP = math.radians(80)  # beyond this pitch the yaw of an aircraft means nothing

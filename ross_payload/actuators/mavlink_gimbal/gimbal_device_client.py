@@ -20,10 +20,9 @@ from ross_payload.actuators.mavlink_gimbal.gimbal_manager_client import (
 from ross_protocols.mavlink import gimbal_messages
 from ross_protocols.mavlink.component_id import ComponentId, target_of
 from ross_protocols.mavlink.gimbal_messages import GimbalTravel
-from ross_protocols.mavlink.vehicle import AUTOPILOT
+from ross_protocols.mavlink.vehicle import AUTOPILOT, NO_AUTOPILOT
 
 DISCOVERY_TIMEOUT_S = 3.0  # [s] after which a gimbal without an autopilot has none
-NO_AUTOPILOT = 8  # MAV_AUTOPILOT_INVALID
 MISSING = {
     "client": "no heartbeat received from an autopilot",
     "manager": "no heartbeat received from a gimbal device",

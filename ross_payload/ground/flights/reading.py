@@ -29,6 +29,7 @@ from ross_protocols.mavlink.codec import Decoder, Packet
 from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.dialect import MESSAGES, common
 from ross_protocols.mavlink.tunnel import OURS
+from ross_protocols.mavlink.vehicle import AUTOPILOT
 
 LOGS = ("telemetry.tlog", "mission.tlog")  # of a session folder, of the results of a simulation
 UNPACKED, SOUND = "unpacked.tlog", "sound.json"  # of an MCAP file
@@ -36,7 +37,6 @@ MANIFEST = 1 << 16  # [bytes] that a session.json has at most
 MIRRORS = (common.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, common.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY)
 SAMPLE = 500  # mirrors that are looked at to know a payload without our dialect
 MOST_NAMES = 6  # that a note lists
-AUTOPILOT = 1  # component id
 OUR_IDS = [number for number, message in MESSAGES.items() if message.msgname.startswith(OURS)]
 LOOKS = (
     (b"\xa3\x95", "an ArduPilot flight log (.bin)"),

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from ross_payload.ground.links.link import LinkState
 from ross_payload.ground.model.payload_state import PayloadState
 from ross_payload.transport.link_url import LOOPBACK, Serial, Tcp, Udp, parse
+from ross_protocols.mavlink.vehicle import AUTOPILOT
 
 DIAGNOSIS_DELAY_S = 5.0  # [s] before something is said of what is missing
 SILENT_AFTER_S = 10.0  # [s] after which a payload counts as silent
-AUTOPILOT = 1  # component id
 LOOPBACKS = (LOOPBACK, "localhost", "::1")
 NO_KEY = "the payload signs its messages, and accepts commands only from stations with its key (--mavlink-key)"
 SAME_KEY = "both sides need the same key, and clocks that agree within a minute"

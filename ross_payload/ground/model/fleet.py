@@ -16,10 +16,9 @@ from ross_protocols.mavlink.component_id import ComponentId
 from ross_protocols.mavlink.computer import computer_of
 from ross_protocols.mavlink.tunnel import OURS, unwrap
 from ross_protocols.mavlink.values import Array, Health, Heartbeat, Named, Status, Text
-from ross_protocols.mavlink.vehicle import Position, position_of
+from ross_protocols.mavlink.vehicle import AUTOPILOT, Position, position_of
 
 MOST_PAYLOADS = 64
-AUTOPILOT = 1  # component id
 GONE_S = float(PRESENCE_S)  # [s] of silence, after which a payload makes room for another one
 STEADIER_S = 2  # seconds more of the last `PRESENCE_S` in which one must have been heard to take the place of another
 
