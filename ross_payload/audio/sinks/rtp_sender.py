@@ -29,14 +29,12 @@ from aiortc.rtp import (
 
 from ross_payload.audio.sinks.listener_watch import ListenerWatch
 from ross_payload.interfaces import Samples, VoiceBlock
+from ross_payload.transport.rtp.reception_reports import CNAME, NTP_EPOCH, REPORT_PERIOD_S
 from ross_payload.transport.rtp.session_description import OPUS, Media
 
-REPORT_PERIOD_S = 1.0  # of sender's reports [s]
 KEPT_S = 1.0  # of packets, to be sent once more [s]
 ONCE_MORE = 0.25  # share of packets that are sent once more, at most
 EXPECTED_LOSS = 10  # for which Opus repeats itself [%]
-NTP_EPOCH = 2_208_988_800  # of 1970, in seconds since 1900
-CNAME = 1  # item of a source description
 
 
 class Encoder(Protocol):

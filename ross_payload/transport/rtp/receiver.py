@@ -18,7 +18,7 @@ from ross_payload.interfaces import Samples
 from ross_payload.transport.rtp.opus_decoder import OpusDecoder
 from ross_payload.transport.rtp.packet_store import PacketCounts, PacketStore, Queued
 from ross_payload.transport.rtp.playout_delay import PlayoutDelay
-from ross_payload.transport.rtp.reception_reports import ReceptionReports
+from ross_payload.transport.rtp.reception_reports import NTP_EPOCH, ReceptionReports
 from ross_payload.transport.rtp.session_description import OPUS, Media
 from ross_payload.transport.rtp.waveforms import Concealer, lengthened, shortened
 
@@ -27,7 +27,6 @@ SOURCE_TIMEOUT_S = (
 )
 MAX_LEAD_S = 2.0  # between what is played and what came, until the rest is skipped [s]
 SPLICE_INTERVAL_S = 0.06  # splices: at least [s]
-NTP_EPOCH = 2_208_988_800  # of 1970, in seconds since 1900
 BROKEN = (ValueError, IndexError, struct.error)  # what parsers of aiortc raise
 
 

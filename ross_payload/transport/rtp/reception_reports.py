@@ -29,6 +29,7 @@ AT_ONCE = 64  # packets in one request
 NACK_JITTER_FACTOR = 1.25  # times the jitter, after which a missing packet is asked for: it may only be late
 SOONEST, LATEST = 0.01, 0.1  # but not sooner, and no later [s]
 CNAME = 1  # item of a source description
+NTP_EPOCH = 2_208_988_800  # of 1970, in seconds since 1900
 MOST_LOST = 0x7FFFFF
 
 
