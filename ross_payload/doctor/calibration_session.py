@@ -24,13 +24,12 @@ from ross_payload.mount import mount_of
 from ross_payload.notify import on_signal
 from ross_payload.orders import Stop
 from ross_payload.service.assemble import settings_of, tools_of
-from ross_payload.service.runner import Observer, Runner
+from ross_payload.service.runner import POLL_PERIOD_S, Observer, Runner
 from ross_payload.service.state_folder import owned, state_folder
 from ross_payload.service.stop_latch import STOPPED, StopLatch
 from ross_payload.service.zero_mark import zero_mark_of
 from ross_payload.timebase import Timebase
 
-POLL_PERIOD_S = 0.010  # [s]
 REPORT_TIMEOUT_S = 5.0  # that an actuator may take to report for the first time [s]
 SERVER_START_TIMEOUT_S = 10.0  # a simulated world may be started after this
 SWITCH_S = 0.001  # after which a thread that computes lets the pump have its turn [s]

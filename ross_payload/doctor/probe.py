@@ -24,12 +24,12 @@ from ross_payload.doctor.probe_moves import Figures, Leg, figures, judge, make
 from ross_payload.errors import ActuatorError, RossError
 from ross_payload.interfaces import ActuatorState, Feedback, Services
 from ross_payload.mavlink import Router
+from ross_payload.service.runner import POLL_PERIOD_S
 from ross_payload.service.state_folder import owned, state_folder, state_path
 from ross_payload.service.stop_latch import STOPPED, StopLatch
 from ross_payload.service.zero_mark import zero_mark_of
 from ross_protocols.angle_text import rotation
 
-POLL_PERIOD_S = 0.010  # [s]
 FIRST_REPORT_TIMEOUT_S = 5.0  # that an actuator may take to report for the first time [s]
 HOMED_TIMEOUT_S = 2.0  # that one that reports may take to know its place: some are told a lot first [s]
 IDENTITY_TIMEOUT_S = 0.5  # and to tell after that who it is, if it does at all [s]

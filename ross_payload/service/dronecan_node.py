@@ -21,6 +21,7 @@ from ross_payload.dronecan.shared_bus import SharedBusPort
 from ross_payload.errors import ConfigError
 from ross_payload.interfaces import Actuator, Clock, Port
 from ross_payload.orders import Order, Set, Shutdown
+from ross_payload.service.runner import POLL_PERIOD_S
 from ross_payload.telemetry.dronecan_reporter import DronecanReport
 from ross_payload.timebase import Timebase
 from ross_protocols.dronecan.services import MAGIC, RestartRequest, RestartResponse
@@ -28,7 +29,6 @@ from ross_protocols.mavlink.values import Severity
 
 NAME = "org.ross.payload"
 FILE = "dronecan.json"  # in the state folder
-POLL_PERIOD_S = 0.010  # [s] of the pump
 
 
 @contextmanager

@@ -34,8 +34,8 @@ from ross_payload.orders import Shutdown, Stop
 from ross_payload.plugin_calls import LateCalls, telling_late_calls
 from ross_payload.program_end import end_within
 from ross_payload.service.check import check_settable
-from ross_payload.service.payload import POLL_PERIOD_S, Parts, assembled
-from ross_payload.service.runner import Runner
+from ross_payload.service.payload import Parts, assembled
+from ross_payload.service.runner import POLL_PERIOD_S, Runner
 from ross_payload.service.state_folder import owned, recording_path, state_folder
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.sessions.recorder import in_background

@@ -36,7 +36,7 @@ from ross_payload.service.condition import Condition
 from ross_payload.service.dronecan_node import Aboard, node_on_bus
 from ross_payload.service.health_socket import POLL_S, HealthSocket
 from ross_payload.service.live_listening import attached, described, listening_of, source_of
-from ross_payload.service.runner import Observer, Runner
+from ross_payload.service.runner import POLL_PERIOD_S, Observer, Runner
 from ross_payload.service.stop_latch import StopLatch
 from ross_payload.service.voice_keeper import VoiceKeeper
 from ross_payload.service.zero_mark import zero_mark_of
@@ -49,7 +49,6 @@ from ross_payload.voiceprint import EmbeddingPrint, VoiceStore
 from ross_protocols.mavlink.computer import Computer
 from ross_protocols.mavlink.values import Severity
 
-POLL_PERIOD_S = 0.010  # [s] of the pump
 FIRST_REPORT_TIMEOUT_S = 5.0  # [s] that an actuator may take to report for the first time; later it is a fault
 LOG_PERIOD_S = 1.0  # [s] between two looks for what the log should tell
 FIRST: dict[str, type[Task] | None] = {"nothing": None, "explore": Explore, "seek": Seek}

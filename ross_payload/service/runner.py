@@ -20,6 +20,7 @@ from ross_payload.orders import Cancel, Order, Shutdown, Stop
 from ross_payload.pointing import BaseRate, Pointing
 from ross_payload.transport.async_task import drained
 
+POLL_PERIOD_S = 0.010  # [s] of the pump
 ROUNDING_S = 1e-9  # [s], of rounding
 EXTRAPOLATION_S = 0.1  # [s] beyond the newest report that its rate is trusted
 MOST = 20_000  # reports kept at least, of the newest: more than three minutes of the pump

@@ -11,8 +11,9 @@ from rigs import CuttableWire, Rig
 from ross_payload.actuators.guard import Guard
 from ross_payload.actuators.registry import open_actuator
 from ross_payload.config import load
-from ross_payload.doctor.probe import POLL_PERIOD_S, open_services
+from ross_payload.doctor.probe import open_services
 from ross_payload.interfaces import Port
+from ross_payload.service.runner import POLL_PERIOD_S
 from ross_sim.devices.far_end import Fault
 
 OPENING = 2.0  # of what boots when it is opened [s]
