@@ -13,14 +13,11 @@ from ross_payload.config import APART_DEG
 from ross_payload.errors import ConfigError
 from ross_payload.streams import Selection, StreamOrder, What
 from ross_protocols.mavlink import stream_command
-from ross_protocols.mavlink.commands import Command, direction
+from ross_protocols.mavlink.commands import LONGEST_ENROLMENT, LONGEST_NOISE, MOST_NAMES, Command, direction
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.stream_command import MUTED_DB, StreamCommand
 from ross_protocols.mavlink.stream_values import Selection as Selected
 
-LONGEST_NOISE = 60.0  # [s]
-LONGEST_ENROLMENT = 300.0  # [s]
-MOST_NAMES = 9999
 VOICE, SOURCE, AZIMUTH = ross.ROSS_LISTEN_MODE_VOICE, ross.ROSS_LISTEN_MODE_SOURCE, ross.ROSS_LISTEN_MODE_AZIMUTH
 INFORM = ross.MAV_CMD_ROSS_INFORM
 STOP = ross.MAV_CMD_ROSS_STOP

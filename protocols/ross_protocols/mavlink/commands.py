@@ -16,6 +16,9 @@ UNKNOWN_PROGRESS = 255
 HEARD = 128  # from this confirmation on a sender knows that the command has arrived: it asks for its end alone
 MOST_CONFIRMATION = 255  # where a sender stops counting
 NOT_TOLD = 2**31 - 1  # in an integer of COMMAND_INT, what NaN is among its floats
+LONGEST_NOISE = 60.0  # of MAV_CMD_ROSS_NOISE [s]
+LONGEST_ENROLMENT = 300.0  # of MAV_CMD_ROSS_ENROL [s]
+MOST_NAMES = 9999  # numbers of names for voices, of the same
 
 COMMAND_LONG = common.MAVLINK_MSG_ID_COMMAND_LONG
 COMMAND_INT = common.MAVLINK_MSG_ID_COMMAND_INT

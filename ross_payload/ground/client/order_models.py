@@ -12,11 +12,9 @@ from pydantic_core import CoreSchema
 
 from ross_payload.ground.client import command_types
 from ross_payload.ground.client.stream_orders import Enrol, StopStream, Stream
+from ross_protocols.mavlink.commands import LONGEST_ENROLMENT, LONGEST_NOISE, MOST_NAMES
 from ross_protocols.mavlink.stream_command import MOST_DB, MOST_NUMBER, MUTED_DB
 
-LONGEST_NOISE = 60.0  # [s]
-LONGEST_ENROLMENT = 300.0  # [s]
-MOST_NAMES = 9999
 OCTET = r"(\d|[1-9]\d|1\d\d|2[0-4]\d|25[0-5])"
 UNICAST = rf"^([1-9]|[1-9]\d|1\d\d|2[01]\d|22[0-3])\.{OCTET}\.{OCTET}\.{OCTET}$"  # IPv4, as `unicast` accepts it
 CODECS = {"l16": "L16", "opus": "opus"}
