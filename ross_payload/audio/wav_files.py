@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ross_payload.atomic_files import append, create
+from ross_payload.audio.channel_map import FULL_SCALE
 from ross_payload.bounded_files import open_regular
 from ross_payload.errors import ConfigError, refused_as
 from ross_payload.interfaces import Samples
 
-FULL_SCALE = 2**23
 WIDTH = 3  # [bytes] of a sample
 HEADER = struct.Struct("<4sI4s4sIHHIIHH4sI")  # RIFF, fmt and data, 44 bytes
 MOST = 2**32 - 1 - HEADER.size  # [bytes] of samples: the sizes in the header have 32 bits

@@ -22,6 +22,7 @@ from ross_payload.config.parameter_store import Parameters
 from ross_payload.errors import ConfigError
 from ross_payload.events import Answer, Answered, Event
 from ross_payload.ground.errors import GroundError
+from ross_payload.ground.web.command import PORT
 from ross_payload.interfaces import Input
 from ross_payload.listening.observers import Listening
 from ross_payload.mavlink import Router
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from ross_payload.ground.web.page_state import PageState
     from ross_payload.ground.web.server import Served
 
-PORT = 8765  # if nobody has it
 SCRIPTED = "this mission runs by itself and accepts only stop and cancel; for all commands: ross sitl --serve --page"
 POLL = 0.010  # [s]
 WAITING = 0.2  # [s]

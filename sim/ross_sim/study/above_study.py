@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ross_payload.alignment.plan import Turn, plan
+from ross_payload.alignment.plan import plan
 from ross_payload.angles import difference
 from ross_payload.atomic_files import replacing
 from ross_payload.dsp.ego_noise import EgoNoise, learnt
@@ -31,7 +31,7 @@ from ross_payload.localization.joint import Joint
 from ross_payload.localization.joint_in_noise import JointInNoise
 from ross_payload.mission.align import ROTORS as ROTORS_SHARE
 from ross_payload.plugin_checks import load_separator
-from ross_sim.study.noise_study import LONG, SHORT, TALKERS
+from ross_sim.study.noise_study import FREE, LONG, RUN, SHORT, TALKERS
 from ross_sim.study.rows.above_rows import AboveRow, above
 from ross_sim.study.rows.row_files import as_csv, read_rows
 from ross_sim.study.runs.row_manifest import alone_with, basis_in_noise, claim
@@ -41,9 +41,6 @@ from ross_sim.study.scenes.exploration import NEAR_DEG, matched
 from ross_sim.study.scenes.mixtures import LEAD_IN, RATE, expect_sound
 from ross_sim.study.scenes.noise_scenes import HEADINGS, ROTORS, noise_of, recordings
 from ross_sim.study.scenes.room_settings import SPACING, SPEED_OF_SOUND
-
-RUN = 10.0  # [s]
-FREE = Turn(base=0.0, joint=0.0, lower=-np.inf, upper=np.inf)
 
 
 @dataclass(frozen=True, slots=True)

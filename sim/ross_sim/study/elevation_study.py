@@ -25,6 +25,7 @@ from ross_payload.angles import difference
 from ross_payload.dsp.steering import tdoa
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Explorer, Real, Samples
+from ross_sim.scenario import MOUTH
 from ross_sim.study.option_types import NATURAL, POSITIVE, argument
 from ross_sim.study.rows.elevation_rows import ElevationRow, below
 from ross_sim.study.rows.result_rows import degrees, number
@@ -39,7 +40,6 @@ from ross_sim.study.script_errors import expect_writable, told_by, write_result
 COUNTS = (2, 3, 4, 5)  # K
 RUN = 10.0  # of every talker, to separate [s]
 STEEP_DEG = (20.0, 60.0)  # how far below the array the talkers are
-MOUTH = 1.6  # height of a talker's mouth [m]
 HOVER = 5.0  # of the array above the mouths [m]
 
 
