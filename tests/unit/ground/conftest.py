@@ -4,6 +4,12 @@ import pytest
 
 from fleet_ear import Ground
 from ross_payload.ground.flights.reading import open_flight
+from scripted_payload import Script
+
+
+@pytest.fixture
+def script():
+    return Script()
 
 
 @pytest.fixture

@@ -20,11 +20,6 @@ from scripted_payload import Script
 TURN, LISTEN, STOP = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_LISTEN, ross.MAV_CMD_ROSS_STOP
 
 
-@pytest.fixture
-def script():
-    return Script()
-
-
 def test_an_order_that_nobody_answers_is_said_five_times_in_four_seconds(script):
     script.orders.order(WHO, Turn(40))
     script.wait(20)

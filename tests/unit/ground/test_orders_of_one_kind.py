@@ -6,14 +6,8 @@ from client_bench import WHO
 from ross_payload.ground.client.command_types import Cancel, Explore, Listen, Park, Rearm, Record, Turn
 from ross_protocols.mavlink.commands import Result
 from ross_protocols.mavlink.dialect import ross
-from scripted_payload import Script
 
 TURN, LISTEN = ross.MAV_CMD_ROSS_TURN, ross.MAV_CMD_ROSS_LISTEN
-
-
-@pytest.fixture
-def script():
-    return Script()
 
 
 def test_listening_to_another_one_takes_the_place_of_listening(script):

@@ -17,15 +17,9 @@ from ross_payload.ground.web.positions import Positions
 from ross_protocols.mavlink.commands import Result
 from ross_protocols.mavlink.dialect import ross
 from ross_protocols.mavlink.values import Audio, Health, Heartbeat, Status
-from scripted_payload import Script
 
 STOP, STOPPED, RUN = ross.MAV_CMD_ROSS_STOP, ross.ROSS_STATE_STOPPED, ross.ROSS_STATE_RUN
 TELEMETRY = "its telemetry says that it has stopped"
-
-
-@pytest.fixture
-def script():
-    return Script()
 
 
 def by_status(state, at):
