@@ -51,6 +51,26 @@ def rig_that_reports_every(period: float, led: str, monkeypatch: pytest.MonkeyPa
     return rig
 
 
+def angles_over(rig: Rig, quanta: int) -> list[float]:
+    """Let time pass; where it truly is after every quantum [rad]."""
+    angles = []
+    for _ in range(quanta):
+        rig.clock.sleep(QUANTUM)
+        angles.append(rig.far_end.angle())
+    return angles
+
+
+def turned_back(angles: list[float]) -> float:
+    """How far it turned back from the farthest angle before [rad]."""
+    return float(np.max(np.maximum.accumulate(angles) - angles))
+
+
+def braking(angles: list[float]) -> float:
+    """The greatest deceleration within 50 ms [rad/s^2]."""
+    speeds = np.diff(angles) / QUANTUM
+    return float(max(speeds[:-5] - speeds[5:]) / (5 * QUANTUM))
+
+
 @pytest.mark.parametrize("period", [0.2, *in_soak(0.33)])
 @pytest.mark.parametrize("led", [*LED, *LED_TOO])
 def test_what_does_not_follow_is_found(led: str, period: float, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -126,12 +146,10 @@ def test_a_gimbal_that_brakes_while_it_is_not_heard_is_led_no_farther(
     rig.actuator.command(2.0)
     angles = []
     for rig.wire.cut, duration in ((False, begin), (True, 0.3), (False, 3.0)):
-        for _ in range(round(duration / QUANTUM)):
-            rig.clock.sleep(QUANTUM)
-            angles.append(rig.far_end.angle())
+        angles += angles_over(rig, round(duration / QUANTUM))
     assert "for more than 0.45 s" in rig.state.fault
     assert max(angles) <= 2.0
-    assert np.max(np.maximum.accumulate(angles) - angles) <= math.radians(1)
+    assert turned_back(angles) <= math.radians(1)
 
 
 @pytest.mark.parametrize("period", [0.2, *in_soak(0.33)])
@@ -141,12 +159,7 @@ def test_a_servo_that_is_stopped_decelerates(led: str, period: float, monkeypatc
     rig.actuator.command(rig.upper)
     rig.clock.sleep(0.5)
     rig.actuator.stop()
-    angles = []
-    for _ in range(150):
-        rig.clock.sleep(QUANTUM)
-        angles.append(rig.far_end.angle())
-    speeds = np.diff(angles) / QUANTUM
-    assert max(speeds[:-5] - speeds[5:]) / (5 * QUANTUM) <= 1.5 * ACCELERATION  # within 50 ms
+    assert braking(angles_over(rig, 150)) <= 1.5 * ACCELERATION
 
 
 class LateReports:
@@ -179,11 +192,7 @@ def test_a_servo_that_reports_late_is_not_turned_back_by_a_stop(
     rig.actuator.command(rig.upper)
     rig.clock.sleep(0.8)
     rig.actuator.stop()
-    angles = []
-    for _ in range(250):
-        rig.clock.sleep(QUANTUM)
-        angles.append(rig.far_end.angle())
-    assert np.max(np.maximum.accumulate(angles) - angles) <= math.radians(1)
+    assert turned_back(angles_over(rig, 250)) <= math.radians(1)
     assert rig.state.healthy
 
 
@@ -216,11 +225,7 @@ def test_what_reports_late_is_not_turned_back_by_a_stop_soon_after_the_turn_bega
     rig.actuator.command(rig.upper)
     rig.clock.sleep(begun)
     rig.actuator.stop()
-    angles = []
-    for _ in range(250):
-        rig.clock.sleep(QUANTUM)
-        angles.append(rig.far_end.angle())
-    assert np.max(np.maximum.accumulate(angles) - angles) <= math.radians(1)
+    assert turned_back(angles_over(rig, 250)) <= math.radians(1)
 
 
 class WrongRates:
@@ -254,10 +259,6 @@ def test_a_gimbal_that_reports_no_rate_or_a_wrong_one_decelerates_on_a_stop(led:
     rig.actuator.command(rig.upper)
     rig.clock.sleep(1.2)
     rig.actuator.stop()
-    angles = []
-    for _ in range(300):
-        rig.clock.sleep(QUANTUM)
-        angles.append(rig.far_end.angle())
-    speeds = np.diff(angles) / QUANTUM
-    assert max(speeds[:-5] - speeds[5:]) / (5 * QUANTUM) <= 1.3 * ACCELERATION
+    angles = angles_over(rig, 300)
+    assert braking(angles) <= 1.3 * ACCELERATION
     assert rig.state.settled, rig.state.fault
