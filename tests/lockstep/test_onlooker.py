@@ -21,7 +21,7 @@ from ross_sim.sitl.page_observer import SCRIPTED, PageObserver
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.talker_selection import talkers_of
 from short_mission import PAIR
-from stream_ear import Gazer, StreamEar, place_of
+from stream_listener import GroundListener, StreamListener, place_of
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -53,7 +53,7 @@ def watched(tmp_path_factory):
     """A mission that somebody looks on who asks for a turn: what is left, the folder of the results, the onlooker."""
     folder = tmp_path_factory.mktemp("watched")
     (folder / "short.toml").write_text(TOLD)
-    with Gazer(command(TURN, 20.0)) as gazer:
+    with GroundListener(command(TURN, 20.0)) as gazer:
         finished = flown(folder / "short.toml", folder / "out", PageObserver("", gazer.link))
     return finished, folder / "out", gazer
 
@@ -84,7 +84,7 @@ def test_what_a_scripted_mission_cannot_do_is_refused_in_words(watched):
 
 @pytest.mark.parametrize("number", [STOP, ross.MAV_CMD_ROSS_CANCEL])
 def test_a_stop_or_a_cancel_from_the_page_ends_the_mission(short, tmp_path, number):
-    with Gazer(command(number)) as gazer:
+    with GroundListener(command(number)) as gazer:
         onlooker = PageObserver("", gazer.link)
         finished = flown(short, tmp_path, onlooker)
     assert finished.result.outcome is Outcome.STOPPED
@@ -96,7 +96,7 @@ def test_a_stop_or_a_cancel_from_the_page_ends_the_mission(short, tmp_path, numb
 def test_what_somebody_hears_live_is_the_mixture_in_real_time_and_the_results_stay_the_same(alone, short, tmp_path):
     pytest.importorskip("aiortc", reason="the extra [stream]")
     begun = time.monotonic()
-    with StreamEar() as ear, Gazer(ear.order) as gazer:
+    with StreamListener() as ear, GroundListener(ear.order) as gazer:
         flown(short, tmp_path / "heard", PageObserver("", gazer.link))
     took = time.monotonic() - begun
     for name in RESULTS:

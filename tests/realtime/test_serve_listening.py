@@ -14,7 +14,7 @@ from ross_sim.sitl.mission_view import MissionView
 from ross_sim.sitl.results_folder import ResultsFolder
 from ross_sim.sitl.serve import serve
 from ross_sim.sitl.talker_selection import talkers_of
-from stream_ear import Gazer, StreamEar, place_of
+from stream_listener import GroundListener, StreamListener, place_of
 from waiting import wait_for
 
 FIRST = 25  # packets that are compared: half a second
@@ -45,7 +45,7 @@ class Computing(MissionView):
 
 def served(scenario, folder, speed):
     """Serve, stop when it was heard; return what heard it and the first sound that was there."""
-    with StreamEar() as ear, Gazer(ear.order) as ground, ResultsFolder(folder / "out") as out:
+    with StreamListener() as ear, GroundListener(ear.order) as ground, ResultsFolder(folder / "out") as out:
         chosen = load(str(scenario))
         links = {"links": (Link(url=ground.link),)}
         chosen = chosen.model_copy(update={"payload": chosen.payload.model_copy(update=links)})

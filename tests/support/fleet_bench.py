@@ -19,7 +19,7 @@ from dataclasses import replace
 from itertools import count
 from queue import Empty, SimpleQueue
 
-from emulated_hand import Hand
+from emulated_commands import EmulatedCommands
 from emulated_scene import full
 from ross_payload.clock import SystemClock
 from ross_payload.config import Config, Link
@@ -74,8 +74,8 @@ class Emulated:
             if other
             else ParamServer(self._component, self._parameters, lambda name, value: None, self.say)
         )
-        self.hand = Hand(self._links, self._component, self.say)
-        self._servers = [settings, self.hand, FtpServer(self._component, files())]
+        self.commands = EmulatedCommands(self._links, self._component, self.say)
+        self._servers = [settings, self.commands, FtpServer(self._component, files())]
 
     def say(self, severity, text):
         for part in chunks(severity, text, next(self._numbers)):
@@ -99,8 +99,8 @@ class Emulated:
         """Tell what goes wrong."""
         if self.nan and isinstance(said, Source):
             return replace(said, azimuth=math.nan)
-        if self.hand.state is not None and isinstance(said, (Status, Heartbeat)):
-            return replace(said, state=self.hand.state)
+        if self.commands.state is not None and isinstance(said, (Status, Heartbeat)):
+            return replace(said, state=self.commands.state)
         return said
 
     def close(self):

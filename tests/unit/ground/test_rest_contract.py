@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis.errors import Unsatisfiable
 
-import emulated_hand
+import emulated_commands
 from emulated_scene import full
 from fleet_bench import FleetThread
 from ground_page import on_a_thread
@@ -94,7 +94,7 @@ def contract(folder, url, cases, *more, seed):
 
 @pytest.mark.soak
 def test_five_thousand_cases_against_the_running_page_fail_nowhere(tmp_path, monkeypatch):
-    monkeypatch.setattr(emulated_hand, "TASK", 0.05)
+    monkeypatch.setattr(emulated_commands, "TASK", 0.05)
     with served() as ground, FleetThread(ground.port):
         wait_for(lambda: b"1-191" in fetched(f"{ground.url}{BASE}/payloads"))
         tried = [contract(tmp_path, ground.url, 70, seed=1), contract(tmp_path, ground.url, 70, KNOWN, seed=2)]

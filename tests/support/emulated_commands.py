@@ -12,7 +12,7 @@ TASK = 2.0  # [s]
 TALKERS = 3
 
 
-class Hand:
+class EmulatedCommands:
     """Obeys orders in its own time; ``state`` is what the payload is in because of them, None: none was given."""
 
     def __init__(self, links, component, say):

@@ -37,7 +37,7 @@ def place_of(heard, mixture, step=2**-14):
     return next((at for at in places if np.abs(mixture[at : at + len(heard)] - heard).max() < step), -1)
 
 
-class UdpEar:
+class UdpListener:
     """A UDP port of this computer and a thread that takes what comes there. A context manager."""
 
     def __init__(self):
@@ -68,7 +68,7 @@ class UdpEar:
             self._take(data, peer)
 
 
-class Gazer(UdpEar):
+class GroundListener(UdpListener):
     """Hears the payload, and orders what it is given: the first at once, the others when the one before is answered."""
 
     def __init__(self, *orders):
@@ -90,7 +90,7 @@ class Gazer(UdpEar):
             self._asked += 1
 
 
-class StreamEar(UdpEar):
+class StreamListener(UdpListener):
     """Takes one stream."""
 
     @property
