@@ -3,6 +3,8 @@
 ``browser``     one for all tests of this folder (a package for that reason alone); its driver keeps asyncio from
                 the thread, and ends before a test of another folder begins
 ``profile``     its profile (`browsing.Profile`), one for all tests, which forgets a test when it ends
+``board``       draws the instruments alone (`gallery`), for all tests of a file
+``crew``        `ross ground` with a payload, for all tests of a file
 ``window``      the pages of a test (`browsing.Watched`): the test fails when one of them asks another machine for
                 something, or complains; a complaint that a test causes goes into ``window.expected``
 ``keep_page``   opens one that stays for all tests of a file, which ask for ``window``, too: to open a page costs more
@@ -15,6 +17,9 @@ No test beside these may use asyncio in its own thread.
 import pytest
 
 from browsing import FLAGS, PATIENCE_S, Profile, chromium
+from fleet_bench import FleetThread
+from gallery import board_of
+from served_ground import served
 
 
 @pytest.fixture(scope="package")
@@ -34,6 +39,18 @@ def browser():
 @pytest.fixture(scope="package")
 def profile(browser):
     return Profile(browser)
+
+
+@pytest.fixture(scope="module")
+def board(profile):
+    with board_of(profile) as board:
+        yield board
+
+
+@pytest.fixture(scope="module")
+def crew(browser):
+    with served() as ground, FleetThread(ground.port):
+        yield ground
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,7 @@ import pytest
 from playwright.sync_api import expect
 
 from browsing import drawn
-from fleet_bench import FleetThread
 from page_eyes import follow, free_place, seen, sees, violations, watch
-from served_ground import served
 
 PHONE = {"width": 390, "height": 844}
 STANDS = """async ([before, now, ago]) => {
@@ -37,12 +35,6 @@ CONFIRMED = """async ([before, now]) => {
   return given;
 }"""
 IDLE = {"state": "idle", "boots": 1, "earth": True, "goal": 40, "order": 3}
-
-
-@pytest.fixture(scope="module")
-def crew(browser):
-    with served() as ground, FleetThread(ground.port):
-        yield ground
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from gallery import ASSETS, board_of
+from gallery import ASSETS
 from page_eyes import violations
 from scenes import pointing, scene, scenes, source, three
 
@@ -32,12 +32,6 @@ CONES = np.array([[0.4122214708, 0.5363325363, 0.0514459929], [0.2119034982, 0.6
                   [0.0883024619, 0.2817188376, 0.6299787005]])  # fmt: skip
 OKLAB = np.array([[0.2104542553, 0.7936177850, -0.0040720468], [1.9779984951, -2.4285922050, 0.4505937099],
                   [0.0259040371, 0.7827717662, -0.8086757660]])  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def board(profile):
-    with board_of(profile) as board:
-        yield board
 
 
 # Readers

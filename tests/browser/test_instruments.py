@@ -6,16 +6,9 @@ import re
 import pytest
 
 from browsing import drawn
-from gallery import board_of
 from scenes import UNIT, pointing, scene, scenes, source, three
 
 RIM = 150  # of the polar view, in its own units
-
-
-@pytest.fixture(scope="module")
-def board(profile):
-    with board_of(profile) as board:
-        yield board
 
 
 def middle(page, selector):

@@ -3,11 +3,9 @@
 import pytest
 
 from examples import rows_in_soak
-from fleet_bench import FleetThread
 from made_telemetry import MadeTelemetry
 from page_eyes import sees
 from ross_protocols.mavlink.dialect import ross
-from served_ground import served
 
 PLACES = """(rows) => {
   const what = [".pinned :is(a, button, select)", ".scope > svg", ".commands :is(button, input)", ".choice", rows];
@@ -48,12 +46,6 @@ ROOM = """() => {
 }"""
 HOURS = 23 * 3600 + 59 * 60
 LONG = "both channels carry the same microphone: check the channel map; samples were lost: the USB port is overloaded"
-
-
-@pytest.fixture(scope="module")
-def crew(browser):
-    with served() as ground, FleetThread(ground.port):
-        yield ground
 
 
 def states():
