@@ -18,21 +18,10 @@ from ross_sim.study.rows.result_rows import decode
 from ross_sim.study.runs.study_case import perform
 from ross_sim.study.runs.study_design import chosen, tasks
 from ross_sim.study.runs.talker_placement import Source
-from voice_folders import voice_folder
+from voice_folders import SMALL_STUDY, voice_folder
 
 pytestmark = pytest.mark.process
 
-STUDY = """
-settings = ["S1"]
-k = [2]
-layouts = 0
-starts = 2
-separators = ["duet"]
-rotations = [2]
-unit_s = [0.5]
-run_s = 1.0
-rate_hz = 16000
-"""
 TASKS = 2 + 2 * 2
 
 
@@ -43,7 +32,7 @@ def speech(tmp_path_factory):
 
 @pytest.fixture
 def asked(tmp_path, speech):
-    (tmp_path / "tiny.toml").write_text(STUDY)
+    (tmp_path / "tiny.toml").write_text(SMALL_STUDY)
     return ["study", str(tmp_path / "tiny.toml"), "--speech", str(speech)]
 
 

@@ -7,19 +7,9 @@ import shutil
 import pytest
 
 from mission_fixtures import without_figures
-from voice_folders import voice_folder
+from voice_folders import SMALL_STUDY, voice_folder
 
-STUDY = """
-settings = ["S1"]
-k = [2]
-layouts = 0
-starts = 1
-separators = ["duet"]
-rotations = [2]
-unit_s = [0.5]
-run_s = 1.0
-rate_hz = 16000
-"""
+STUDY = SMALL_STUDY.replace("starts = 2", "starts = 1")
 
 
 @pytest.fixture(scope="module", autouse=True)

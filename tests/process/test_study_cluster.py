@@ -14,20 +14,9 @@ import pytest
 from processes import ROSS
 from ross_payload.errors import ConfigError
 from ross_sim.study.runs import dask_engine
-from voice_folders import voice_folder
+from voice_folders import SMALL_STUDY, voice_folder
 from waiting import wait_for
 
-STUDY = """
-settings = ["S1"]
-k = [2]
-layouts = 0
-starts = 2
-separators = ["duet"]
-rotations = [2]
-unit_s = [0.5]
-run_s = 1.0
-rate_hz = 16000
-"""
 TASKS = 2 + 2 + 2
 ROWS = ("separations.csv", "explorations.csv", "gains.csv", "ends.csv", "sigmas.csv", "tables.md", "study.json")
 OTHER_CODE = """
@@ -57,7 +46,7 @@ if study_case.perform.__module__ == study_case.__name__:  # it is loaded twice
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("cluster")
-    (folder / "tiny.toml").write_text(STUDY)
+    (folder / "tiny.toml").write_text(SMALL_STUDY)
     (folder / "speech").mkdir()
     voice_folder(folder / "speech", (0, 1), 12)
     return folder

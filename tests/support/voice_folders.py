@@ -1,4 +1,4 @@
-"""Folders of recordings for studies: synthetic voices, cut to a few seconds."""
+"""What small studies need: folders of synthetic voices, cut to a few seconds, and the axes of one."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -8,6 +8,17 @@ import soundfile
 from ross_sim.talkers.synthetic_voices import synthetic_voice
 
 RATE = 16000
+SMALL_STUDY = """
+settings = ["S1"]
+k = [2]
+layouts = 0
+starts = 2
+separators = ["duet"]
+rotations = [2]
+unit_s = [0.5]
+run_s = 1.0
+rate_hz = 16000
+"""
 
 
 def voice_folder(folder: Path, indices: Iterable[int], seconds: int) -> Path:
