@@ -77,6 +77,16 @@ class Estimate:
         """The number of sources K."""
         return len(self.sources)
 
+    @property
+    def azimuths(self) -> Real:
+        """Azimuths of the sources [rad], (k,)."""
+        return np.array([source.azimuth for source in self.sources])
+
+    @property
+    def elevations(self) -> Real:
+        """Elevations of the sources [rad], (k,); 0 where one is not told from 0."""
+        return np.array([source.elevation or 0.0 for source in self.sources])
+
 
 @dataclass(frozen=True, slots=True)
 class Event:

@@ -104,9 +104,8 @@ class SceneTracker:
         elif not still and (self._heading is None or self._turned(FAST_FRAMES) > FAST):
             self._heading, self._why = None, "turning"
             return None
-        azimuths = np.array([source.azimuth for source in estimate.sources])
-        heights = np.array([source.elevation or 0.0 for source in estimate.sources])
-        tau = tdoa(azimuths, heading, self._array.spacing_m, self._array.speed_of_sound_m_s, heights)
+        array = self._array
+        tau = tdoa(estimate.azimuths, heading, array.spacing_m, array.speed_of_sound_m_s, estimate.elevations)
         return Placement(tau, self._stretch, still)
 
     def _held(self) -> bool:

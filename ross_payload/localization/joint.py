@@ -153,8 +153,7 @@ class Joint:
                 rival, more = fit.rival, fit.more
                 break
             second = _likelier(second, fit)
-        azimuths = np.array([source.azimuth for source in believed.sources])
-        step = model_order.begun(evidence.rich, self.penalty, azimuths)
+        step = model_order.begun(evidence.rich, self.penalty, believed.azimuths)
         likely = talker_evidence.likely(evidence, step, rival)
         return self._with_second(evidence, Fit(step, rival, likely, more), second)
 

@@ -43,9 +43,7 @@ def common_turn(seen: Observation, estimate: Estimate, spacing: float, speed_of_
     if not estimate.sources:
         raise ValueError("sources: expected at least one, got none")
     turns = np.arange(-round(WIDEST / STEP), round(WIDEST / STEP) + 1) * STEP
-    azimuths = np.array([source.azimuth for source in estimate.sources])
-    heights = np.array([source.elevation or 0.0 for source in estimate.sources])
-    tau = tdoa(azimuths + turns[:, None], seen.heading, spacing, speed_of_sound, heights)
+    tau = tdoa(estimate.azimuths + turns[:, None], seen.heading, spacing, speed_of_sound, estimate.elevations)
     density = np.interp(tau, seen.grid, seen.density / max(float(seen.density.max()), math.ulp(1.0)))
     likelihood = np.log(density + FLOOR).sum(axis=1)
     best = int(likelihood.argmax())
@@ -58,7 +56,7 @@ def common_shift(before: Estimate, after: Estimate) -> float | None:
     The least such angle is taken, and only one that is larger than talkers sway and smaller than an eighth of a turn:
     other people who stand where a shift would put them are a matter of chance.
     """
-    old, new = (np.array([source.azimuth for source in each.sources]) for each in (before, after))
+    old, new = before.azimuths, after.azimuths
     if len(old) != len(new) or len(old) < FEWEST:
         return None
     for shift in sorted((wrap(azimuth - old[0]) for azimuth in new), key=abs):

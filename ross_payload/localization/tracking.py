@@ -59,7 +59,7 @@ TINY = 1e-12
 
 def begin(estimate: Estimate, spacing: float, speed_of_sound: float) -> Tracks:
     """Begin with what an exploration has found: its azimuths and sigmas, and everybody at rest."""
-    azimuths = np.array([source.azimuth for source in estimate.sources])
+    azimuths = estimate.azimuths
     amplitude = UNTOLD if estimate.directness is None else 1 - DRAWN * (1 - estimate.directness)
     k = len(azimuths)
     place = float(np.hypot(PLACE, ASTRAY * (1 - amplitude)))
@@ -73,7 +73,7 @@ def begin(estimate: Estimate, spacing: float, speed_of_sound: float) -> Tracks:
         home_densities=densities,
         rests=densities,
         heading=0.0,
-        elevations=np.cos([source.elevation or 0.0 for source in estimate.sources]),
+        elevations=np.cos(estimate.elevations),
         shares=np.full((k + 1, N_BANDS), 1 / (k + 1)),
         ages=np.zeros(k),
         unit=spacing / speed_of_sound,

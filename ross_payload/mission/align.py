@@ -35,8 +35,7 @@ def align(context: Context, estimate: Estimate) -> tuple[AlignmentCandidate, ...
 def here(context: Context, estimate: Estimate, source: int, rule: str) -> AlignmentCandidate:
     """Return what the present heading is worth for a source."""
     settings, now = context.settings, context.pointing
-    azimuths = [source.azimuth for source in estimate.sources]
-    elevations = [source.elevation or 0.0 for source in estimate.sources]
+    azimuths, elevations = estimate.azimuths, estimate.elevations
     apart = isolation(azimuths, [now.heading], settings.spacing, settings.speed_of_sound, elevations)
     gain = predicted_gain(azimuths, [now.heading], elevations, estimate.directness)
     return AlignmentCandidate(

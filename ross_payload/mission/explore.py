@@ -120,7 +120,7 @@ def explore_on(context: Context, known: Estimate) -> Step[Estimate | None]:
 
 def added(known: Estimate, belief: Estimate) -> set[int]:
     """Return the sources of a belief that are none of those known."""
-    return set(range(belief.k)) - set(matched([source.azimuth for source in known.sources], belief).values())
+    return set(range(belief.k)) - set(matched(known.azimuths, belief).values())
 
 
 def _nearest(context: Context, todo: list[tuple[float, float]]) -> tuple[float, float]:

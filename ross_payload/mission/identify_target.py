@@ -54,15 +54,14 @@ class Identification:
 def separate(context: Context, estimate: Estimate, listening: Listening) -> tuple[Groups, Real]:
     """Separate one listening period; return the groups and their voices (n_groups, n_samples)."""
     settings, stft = context.settings, context.tools.stft
-    azimuths = np.array([source.azimuth for source in estimate.sources])
-    elevations = np.array([source.elevation or 0.0 for source in estimate.sources])
+    spacing, speed = settings.spacing, settings.speed_of_sound
     spectrogram = stft.analyse(listening.samples)
     scene = Scene(
         frequencies=stft.frequencies,
-        spacing=settings.spacing,
-        speed_of_sound=settings.speed_of_sound,
+        spacing=spacing,
+        speed_of_sound=speed,
         n_sources=estimate.k,
-        tau=tdoa(azimuths, listening.heading, settings.spacing, settings.speed_of_sound, elevations),
+        tau=tdoa(estimate.azimuths, listening.heading, spacing, speed, estimate.elevations),
         noise_psd=context.psd(stft, spectrogram),
         seed=settings.seed,
         hop=stft.hop,
@@ -223,9 +222,8 @@ def _no_evidence(context: Context) -> Evidence:
 
 def _apart(context: Context, estimate: Estimate, headings: Sequence[float]) -> Real:
     """Isolation of every source at headings [rad], [s], (k, n_headings)."""
-    azimuths = [source.azimuth for source in estimate.sources]
-    elevations = [source.elevation or 0.0 for source in estimate.sources]
-    return isolation(azimuths, headings, context.settings.spacing, context.settings.speed_of_sound, elevations)
+    spacing, speed = context.settings.spacing, context.settings.speed_of_sound
+    return isolation(estimate.azimuths, headings, spacing, speed, estimate.elevations)
 
 
 def _clear(context: Context, estimate: Estimate, heading: float) -> NDArray[np.bool_]:

@@ -157,7 +157,7 @@ def _sought_on(context: Context, among: Search) -> Step[tuple[Search, int | None
 
 def _newcomers(context: Context, among: Search, estimate: Estimate) -> Search:
     """Begin to look for the target among the sources of another estimate who have not been visited yet."""
-    known = matched([each.azimuth for each in among.estimate.sources], estimate)
+    known = matched(among.estimate.azimuths, estimate)
     other = search_among(context, estimate, align(context, estimate), known=among.evidence.renamed(known))
     visited = set(known.values()) - {known[each.source] for each in among.left if each.source in known}
     other.left = [candidate for candidate in other.left if candidate.source not in visited]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ross_payload.angles import difference
 from ross_payload.events import Estimate, OrientationHeard, SourcesEstimated
@@ -111,12 +112,12 @@ def steady(beliefs: Sequence[Estimate]) -> bool:
 
 def agree(one: Estimate, other: Estimate) -> bool:
     """Whether two beliefs hold the same sources at nearly the same azimuths, in any order."""
-    return one.k == other.k == len(set(matched([s.azimuth for s in one.sources], other, NEARLY).values()))
+    return one.k == other.k == len(set(matched(one.azimuths, other, NEARLY).values()))
 
 
-def matched(azimuths: Sequence[float], estimate: Estimate, near: float = SELF) -> dict[int, int]:
+def matched(azimuths: ArrayLike, estimate: Estimate, near: float = SELF) -> dict[int, int]:
     """Find the source nearest to every azimuth [rad], {index of the azimuth: source}; none where nobody is near."""
     if not estimate.sources:
         return {}
-    apart = np.abs(difference(np.array(azimuths)[:, None], [source.azimuth for source in estimate.sources]))
+    apart = np.abs(difference(np.asarray(azimuths)[:, None], estimate.azimuths))
     return {i: int(row.argmin()) for i, row in enumerate(apart) if row.min() <= near}

@@ -66,7 +66,7 @@ def visit(context: Context, promise: PromisingVisit, visits: Visits, *, last: bo
     context.enter(State.CHECK, f"source {candidate.source}")
     after = yield from orientation(context, max(context.settings.unit, context.settings.check))
     visits.count += 1
-    own = matched([source.azimuth for source in before.sources], after)
+    own = matched(before.azimuths, after)
     if candidate.source not in own:
         say_belief(context, final=last or certain(context))
         return None

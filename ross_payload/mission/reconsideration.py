@@ -119,12 +119,11 @@ def joined(estimate: Estimate) -> Estimate | None:
     """
     if estimate.rival is None:
         return None
-    own = [source.azimuth for source in estimate.sources]
-    again = set(matched(own, estimate.rival, SAME).values())
+    again = set(matched(estimate.azimuths, estimate.rival, SAME).values())
     new = [each for index, each in enumerate(estimate.rival.sources) if index not in again]
     if not new or len(again) < estimate.k:
         return None
-    apart = np.abs(difference(np.array(own)[:, None], [each.azimuth for each in new]))
+    apart = np.abs(difference(estimate.azimuths[:, None], [each.azimuth for each in new]))
     if apart.min() < APART or min(each.confidence for each in new) < ADDED:
         return None
     return replace(estimate, sources=(*estimate.sources, *new), rival=None)
@@ -142,7 +141,7 @@ def reassessed(before: Estimate, now: Estimate | None) -> Estimate | None:
     """
     if now is None or not now.sources:
         return None
-    places = np.array([source.azimuth for source in now.sources])
+    places = now.azimuths
     sources = tuple(_again(source, now, places) for source in before.sources)
     return replace(before, sources=sources, rival=now.rival)
 

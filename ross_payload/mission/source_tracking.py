@@ -111,7 +111,7 @@ class SourceTracker:
     @property
     def azimuths(self) -> Real:
         """Where the sources are taken to be [rad], (k,)."""
-        homes = np.array([source.azimuth for source in self.anchor.sources])
+        homes = self.anchor.azimuths
         return np.where(self.moved, self.tracks.azimuths + self.tracks.rates * self.behind, homes)
 
     @property
@@ -201,7 +201,7 @@ class SourceTracker:
 
     def corrected(self, time: float) -> None:
         """Decide at a mission time [s] who has moved: for sure, for a while, and beside somebody who has not."""
-        homes = np.array([source.azimuth for source in self.anchor.sources])
+        homes = self.anchor.azimuths
         echoes = excess(self.tracks.amplitude)  # [d / v_p], at broadside also [rad]
         each, anybody = self.tracks.gone(homes, MOVED, self._echoed)
         each = np.maximum(each, self._clear(homes, FAR_OFF + echoes))

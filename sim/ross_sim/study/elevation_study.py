@@ -84,7 +84,7 @@ class ExploredField:
     @property
     def found(self) -> tuple[SourceEstimate, ...] | None:
         """The estimate of every talker; None unless K is right and all azimuths are near."""
-        azimuths = np.array([source.azimuth for source in self.estimate.sources])
+        azimuths = self.estimate.azimuths
         if len(azimuths) != len(self.azimuths):
             return None
         apart = np.abs(difference(self.azimuths[:, None], azimuths))

@@ -99,7 +99,7 @@ def told(truth: Callable[[float], Real], sets_out: float) -> type[SourceTracker]
             """Take the truth for what was heard."""
             SourceTracker.corrected(self, time)
             now, soon = truth(time - self.behind), truth(time - self.behind + 0.1)
-            near = np.abs(difference(np.array([s.azimuth for s in self.anchor.sources])[:, None], truth(0.0))).argmin(1)
+            near = np.abs(difference(self.anchor.azimuths[:, None], truth(0.0))).argmin(1)
             rates = np.abs(RATES - difference(soon, now)[near, None] * 10).argmin(axis=1)
             left = {
                 k: np.outer(np.eye(len(RATES))[rates[k]], around(float(now[near[k]]), PLACE)) for k in range(len(near))

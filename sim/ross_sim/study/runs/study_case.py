@@ -219,8 +219,7 @@ def _end_to_end(case: _Case, estimate: Estimate, rotations: int, heading: float)
 
 def owners_of(azimuths: Real, estimate: Estimate) -> list[int | None]:
     """Which estimated source is in the place of every talker (k,): the nearest within 10 deg, or None."""
-    found = np.array([source.azimuth for source in estimate.sources])
-    apart = np.rad2deg(np.abs(difference(azimuths[:, None], found)))
+    apart = np.rad2deg(np.abs(difference(azimuths[:, None], estimate.azimuths)))
     return [int(row.argmin()) if row.min(initial=np.inf) <= NEAR_DEG else None for row in apart]
 
 
@@ -233,9 +232,7 @@ def _candidates(study: Study, estimate: Estimate, heading: float, joint: float) 
 
 
 def _tau(estimate: Estimate, heading: float) -> Real:
-    azimuths = np.array([source.azimuth for source in estimate.sources])
-    elevations = np.array([source.elevation or 0.0 for source in estimate.sources])
-    return tdoa(azimuths, heading, SPACING, SPEED_OF_SOUND, elevations)
+    return tdoa(estimate.azimuths, heading, SPACING, SPEED_OF_SOUND, estimate.elevations)
 
 
 def _missed(study: Study, row: result_rows.Separation, *, oracles: bool) -> Iterator[result_rows.Separation]:

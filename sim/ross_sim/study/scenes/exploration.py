@@ -90,8 +90,7 @@ def explore(
 def matched(azimuths: Real, estimate: Estimate) -> tuple[Real, Real]:
     """Error [deg] and sigma [deg] of every talker's own estimate, (k,); 180 and infinite for a talker without one."""
     errors, sigmas = np.full(len(azimuths), 180.0), np.full(len(azimuths), np.inf)
-    found = np.array([source.azimuth for source in estimate.sources])
-    apart = np.rad2deg(np.abs(difference(azimuths[:, None], found)))
+    apart = np.rad2deg(np.abs(difference(azimuths[:, None], estimate.azimuths)))
     talkers, sources = linear_sum_assignment(np.minimum(apart, 60.0))
     errors[talkers] = apart[talkers, sources]
     sigmas[talkers] = [np.rad2deg(estimate.sources[source].sigma) for source in sources]
