@@ -103,11 +103,12 @@ def pytest_runtest_call():
 
 @pytest.fixture(scope="session", autouse=True)
 def own_folders(tmp_path_factory):
-    """Rooms and synthetic voices are cached beside pytest's own cache; voice prints go to a temporary folder."""
+    """Rooms and synthetic voices are cached beside pytest's own cache; voice prints and state are in temporary folders."""
     patch = pytest.MonkeyPatch()
     if "ROSS_CACHE" not in os.environ:
         patch.setenv("ROSS_CACHE", str(ROOT / ".pytest_cache" / "ross"))
     patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("data")))
+    patch.setenv("STATE_DIRECTORY", str(tmp_path_factory.mktemp("state")))
     yield
     patch.undo()
 
