@@ -103,7 +103,7 @@ def pytest_runtest_call():
 
 @pytest.fixture(scope="session", autouse=True)
 def own_folders(tmp_path_factory):
-    """Rooms and synthetic voices are cached beside pytest's own cache; voice prints and state are in temporary folders."""
+    """Rooms and synthetic voices are cached beside pytest's own cache; voice prints and state go elsewhere."""
     patch = pytest.MonkeyPatch()
     if "ROSS_CACHE" not in os.environ:
         patch.setenv("ROSS_CACHE", str(ROOT / ".pytest_cache" / "ross"))
