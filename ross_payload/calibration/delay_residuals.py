@@ -69,7 +69,7 @@ def finer_contradiction(
     """
     if found.k < TALKERS:
         return None, None
-    left = residuals_of(heard, np.array([source.azimuth for source in found.sources]), rate, unit)
+    left = residuals_of(heard, found.azimuths, rate, unit)
     if left is None:
         return None, None
     wet = float(np.median([source.sigma / source.nominal for source in found.sources]))
