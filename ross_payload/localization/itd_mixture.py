@@ -27,6 +27,9 @@ DIFFUSE = 0.3  # width of the diffuse share [d / v_p]
 POOL = 3.0  # counts by which the weights of one orientation are drawn to those of all
 TIE = 20.0  # counts by which an amplitude is drawn to the directness
 ALIKE = 60.0  # counts by which a width is drawn to that of all
+LONGEST = 1.3  # amplitude that is tried of an array that may be wider than it is configured
+LONGER_BY = 5.0  # log-likelihood that it must gain [nat]; where the configuration is right it gains 0.3 at most
+TRIED = 8  # rounds of refinement for it
 OTHERS = 2  # columns of the weights that belong to no source: diffuse, nobody
 
 
@@ -148,6 +151,19 @@ def refine(data: Data, model: Mixture, rounds: int, tie: float | None = None) ->
     for _ in range(rounds):
         model = _step(data, model, data.alike if tie is None else tie)
     return model
+
+
+def longer(data: Data, model: Mixture) -> float:
+    """How much longer the delays of all sources are than their array allows, as a factor; 1 where that is not sure.
+
+    Elevations and reflections only shorten delays: the array is wider than configured, or the air colder.
+    """
+    if data.aloft or float(np.max(model.directness)) < data.amplitudes[1]:
+        return 1.0
+    free = replace(data, amplitudes=(data.amplitudes[0], LONGEST))
+    bound, loose = refine(data, model, TRIED), refine(free, model, TRIED)
+    gain = log_likelihood(data, loose) - log_likelihood(data, bound)
+    return float(loose.directness) if gain > LONGER_BY else 1.0
 
 
 def add(model: Mixture, azimuth: float, amplitude: float, width: float, share: Real) -> Mixture:

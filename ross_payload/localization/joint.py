@@ -6,14 +6,15 @@ quiet talkers contribute as well, tells how many there are; the strict one, of b
 
 In the open, known by narrow kernels, an amplitude below 1 is the cosine of an elevation. In a reverberant room
 reflections lower it too, and no elevation is told. Where the height of the array is known (`below`), every amplitude
-is one.
+is one. Where amplitudes above 1 explain far more, the array is taken for wider than it is configured.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,7 @@ BANDWIDTH = 0.04  # of the published density [d / v_p]
 BIAS = np.deg2rad(0.3)  # of every azimuth, however long one listens [rad]
 SHARED = 4.4  # growth of a standard deviation with what is not direct, beside 1
 ROUNDS = 10  # of refinement on the strict histograms
+WIDENED = 3  # times at most, one after the other
 LOOSE = 0.5  # counts by which amplitudes are drawn to each other there
 OPEN = 0.06  # kernels on the strict histograms are narrower than this in the open [d / v_p]
 AMPLITUDE_BIAS = 0.008  # of an amplitude, however long one listens
@@ -146,22 +148,27 @@ class Joint:
         """
         if not believed.k or not observations:
             return None
-        evidence, second = self.evidence(observations), None
-        rival, more = 0.0, 0.0
+
+        def begun(evidence: Evidence) -> Fit:
+            return Fit(model_order.begun(evidence.rich, self.penalty, believed.azimuths), 0.0, 1.0, 0.0)
+
+        evidence, begin = self._widened(observations, begun)
+        if begin is None:
+            return None
+        rival, more, second = 0.0, 0.0, None
         for fit in self._fits(evidence):
             if len(fit.step.worth) <= believed.k:
                 rival, more = fit.rival, fit.more
                 break
             second = _likelier(second, fit)
-        step = model_order.begun(evidence.rich, self.penalty, believed.azimuths)
-        likely = talker_evidence.likely(evidence, step, rival)
-        return self._with_second(evidence, Fit(step, rival, likely, more), second)
+        likely = talker_evidence.likely(evidence, begin.step, rival)
+        return self._with_second(evidence, Fit(begin.step, rival, likely, more), second)
 
     def _estimate(self, observations: Sequence[Observation], known: int | None) -> Estimate:
         if not observations:
             return Estimate(())
-        evidence = self.evidence(observations)
-        fit = self._counted(evidence) if known is None else self._of_order(evidence, known)
+        fitted = self._counted if known is None else partial(self._of_order, k=known)
+        evidence, fit = self._widened(observations, fitted)
         if fit is None:
             return Estimate(())
         return self._with_second(evidence, fit, fit.second)
@@ -202,9 +209,24 @@ class Joint:
         step = model_order.search(evidence.rich, self.penalty, k)
         return None if step is None else Fit(step, 0.0, 1.0, 0.0)
 
-    def evidence(self, observations: Sequence[Observation]) -> Evidence:
-        """Histograms of all orientations, ITDs in units of d / v_p."""
-        grid = observations[0].grid * self.speed_of_sound / self.spacing
+    def _widened(
+        self, observations: Sequence[Observation], fitted: Callable[[Evidence], Fit | None]
+    ) -> tuple[Evidence, Fit | None]:
+        """What fits all orientations, with the array as wide as it is configured, or as they show it to be."""
+        evidence, wider = self.evidence(observations), 1.0
+        fit = fitted(evidence)
+        for _ in range(WIDENED):
+            more = 1.0 if fit is None or evidence.among else itd_mixture.longer(evidence.rich, fit.step.model)
+            if more == 1.0:
+                break
+            wider *= more
+            evidence = self.evidence(observations, wider)
+            fit = fitted(evidence)
+        return evidence, fit
+
+    def evidence(self, observations: Sequence[Observation], wider: float = 1.0) -> Evidence:
+        """Histograms of all orientations, ITDs in units of d / v_p; d is so many times the configured spacing."""
+        grid = observations[0].grid * self.speed_of_sound / (self.spacing * wider)
         height = height_of(observations)
         bounds = {} if height is None else {"amplitudes": below.amplitudes(height), "alike": below.ALIKE}
         rows = rows_of(observations)

@@ -62,14 +62,13 @@ def listen(
     start: float = 0.0,
     *,
     n_frames: int = 240,
+    wider: float = 1.0,
 ) -> list[Observation]:
     rng, joint = np.random.default_rng(seed), explorer.make(SPACING, SPEED)
     headings = start + STEP * np.arange(n_headings)
     psd = np.full(len(STFT.frequencies), 2 * noise**2)
-    return [
-        joint.observe(scene(np.array(azimuths), heading, rng, noise, n_frames=n_frames), STFT.frequencies, heading, psd)
-        for heading in headings
-    ]
+    heard = (scene(np.array(azimuths), heading, rng, noise, wider, n_frames=n_frames) for heading in headings)
+    return [joint.observe(each, STFT.frequencies, phi, psd) for each, phi in zip(heard, headings, strict=True)]
 
 
 def believe(observations: list[Observation]) -> Estimate:
@@ -107,6 +106,28 @@ def test_every_talker_is_counted_and_placed(azimuths: list[float]) -> None:
     assert errors_deg(estimate, azimuths).max() < 3
     assert all(source.resolved and source.confidence > 0.5 for source in estimate.sources)
     assert estimate.rival is None  # a clear scene has no second explanation
+
+
+@pytest.mark.parametrize("wider", [1.06, 1.12])
+def test_an_array_that_is_wider_than_configured_has_no_sources_where_nobody_is(wider: float) -> None:
+    azimuths = LAYOUTS[2]
+    heard = listen(azimuths, 9, wider=wider)
+    estimate = believe(heard)
+    assert estimate.k == len(azimuths)
+    assert errors_deg(estimate, azimuths).max() < 1.5
+    again = explorer.make(SPACING, SPEED).reconsider(heard, estimate)
+    assert again is not None
+    assert errors_deg(again, azimuths).max() < 1.5
+
+
+@pytest.mark.parametrize("n_headings", [1, 4, 9])
+def test_an_array_that_is_as_configured_is_not_taken_for_wider(
+    n_headings: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    heard = listen(LAYOUTS[2], n_headings)
+    estimate = believe(heard)
+    monkeypatch.setattr("ross_payload.localization.joint.WIDENED", 0)
+    assert believe(heard) == estimate
 
 
 @pytest.mark.parametrize(

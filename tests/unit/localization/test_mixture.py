@@ -30,6 +30,16 @@ def test_the_mixture_is_a_probability() -> None:
     np.testing.assert_allclose(itd_mixture.densities(data, model).sum(axis=1), 1, atol=1e-3)
 
 
+def test_delays_that_are_longer_than_any_source_may_have_tell_how_much_wider_the_array_is() -> None:
+    data, model = toy()
+    assert itd_mixture.longer(data, itd_mixture.refine(data, model, 10)) == 1.0
+    wide = replace(data, grid=1.1 * data.grid)
+    fitted = itd_mixture.refine(wide, model, 10)
+    assert itd_mixture.longer(wide, fitted) == pytest.approx(1.1, abs=0.02)
+    assert itd_mixture.longer(replace(wide, counts=wide.counts / 1000), fitted) == 1.0  # too little was heard
+    assert itd_mixture.longer(replace(wide, amplitudes=(0.4, 0.9)), fitted) == 1.0  # far above them
+
+
 def test_refining_from_nearby_finds_the_true_azimuths() -> None:
     data, model = toy()
     away = model.azimuths + np.array([0.1, -0.1])
