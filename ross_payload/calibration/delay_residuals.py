@@ -65,16 +65,20 @@ def finer_contradiction(
     """Times by which the array is wider than configured, at least, and its difference of roll-off [Hz].
 
     None where one is not sure, or not worth a word. The roll-off is judged more strictly where reverberation widens the
-    standard deviations of azimuths. Parameters as of `residuals_of`.
+    standard deviations of azimuths, and not at all where an explorer does not tell how much. Parameters as of
+    `residuals_of`.
     """
     if found.k < TALKERS:
         return None, None
     left = residuals_of(heard, found.azimuths, rate, unit)
     if left is None:
         return None, None
-    wet = float(np.median([source.sigma / source.nominal for source in found.sources]))
     if left.wider > max(WIDER, 1 + SURE * left.wider_sigma):  # its delays tell nothing finer then
         return left.wider, None
+    widened = [source.sigma / source.nominal_sigma for source in found.sources if source.nominal_sigma]
+    if not widened:
+        return None, None
+    wet = max(float(np.median(widened)), 1.0)
     unequal = abs(left.roll_off) > max(WORTH_HZ * wet**2, SURE * wet * left.roll_off_sigma)
     return None, left.roll_off if unequal else None
 

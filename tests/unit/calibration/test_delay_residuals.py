@@ -66,6 +66,18 @@ def test_a_reverberant_room_has_to_say_more(voices):
     assert finer_contradiction(heard(voices, corners=(0, 40)), estimate, RATE, UNIT) == (None, None)
 
 
+@pytest.mark.parametrize("sigmas", [{"nominal": None}, {"nominal": 0.0}, {"sigma": 0.0, "nominal": 0.0}])
+def test_where_an_explorer_does_not_tell_how_reverberant_it_is_only_the_spacing_is_judged(voices, sigmas):
+    estimate = believed(TALKERS, **sigmas)
+    assert finer_contradiction(heard(voices, corners=(20, 60)), estimate, RATE, UNIT) == (None, None)
+    assert finer_contradiction(heard(voices, spacing=0.058), estimate, RATE, UNIT)[0] > 1.1
+
+
+def test_an_explorer_that_narrows_its_standard_deviations_makes_no_small_difference_a_large_one(voices):
+    estimate = believed(TALKERS, sigma=0.0)
+    assert finer_contradiction(heard(voices, corners=(20, 28)), estimate, RATE, UNIT) == (None, None)
+
+
 def test_a_delay_is_no_roll_off(voices):
     turn = np.deg2rad(20.0) * np.arange(10)  # far enough to tell the two apart
     assert abs(residuals_of(heard(voices, delay=5e-6, turn=turn), TALKERS, RATE, UNIT).roll_off) < 10.0
