@@ -102,7 +102,7 @@ def _offset(found: Calibration, wanted: dict[str, Any], *, earth: bool) -> Itera
 
 def _roll_off(config: Config, higher: float, sigma: float, *, wrong: bool) -> Finding:
     phase = math.degrees(math.atan2(abs(higher), TOLD_AT_HZ))
-    found = f"of microphone 2 {higher:+.0f} ± {sigma:.0f} Hz above 1, {phase:.1f} deg at {TOLD_AT_HZ:.0f} Hz"
+    found = f"of microphone 2 {round(higher):+d} ± {sigma:.0f} Hz above 1, {phase:.1f} deg at {TOLD_AT_HZ:.0f} Hz"
     corners = config.audio.roll_off_hz
     return _against("roll-off", found, f"with roll_off_hz = [{corners[0]:g}, {corners[1]:g}]", wrong=wrong)
 

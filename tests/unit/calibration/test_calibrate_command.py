@@ -107,6 +107,7 @@ def test_a_difference_of_roll_off_is_written_and_then_agrees(files, monkeypatch,
     assert corners[channels.index(1)] == pytest.approx(40.0, abs=2.0)
     assert corners[channels.index(0)] == 0.0
     code, out, _ = called(monkeypatch, capsys, *offline(files))
+    assert "of microphone 2 +0 ± " in out
     assert "the configuration agrees with what was heard" in out
 
 
