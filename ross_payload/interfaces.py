@@ -83,7 +83,8 @@ class AudioBlock:
     time: float  # of the first sample, on the Clock [s]
     lost: int = 0  # samples lost right before this block
     flags: AudioFlag = AudioFlag.NONE
-    raw: Samples | None = None  # before gain and polarity, (2, n); None: samples are as they came
+    raw: Samples | None = None  # before all corrections, (2, n); None: samples are as they came
+    carried: float = 0.0  # by the filter that corrects them, from what came before
 
 
 class AudioSource(Managed, Protocol):

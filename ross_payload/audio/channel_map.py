@@ -25,6 +25,7 @@ class MappedSamples:
     samples: Samples  # (2, n), on a 24-bit grid
     raw: Samples | None  # before all corrections; None: the same
     flags: AudioFlag
+    carried: float = 0.0  # by the filter of roll-offs, from what came before
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,16 +89,20 @@ class Correction:
         """Return the next samples (2, n) of the stream, corrected."""
         return samples if self._none else self._match(samples * self._factors.astype(samples.dtype))
 
+    def resume(self, carried: float) -> None:
+        """Go on as where `MappedSamples` told what was ``carried``."""
+        self._match.carried = carried
+
     def apply(self, raw: Samples) -> MappedSamples:
         """Bring the next samples (2, n) of the stream to full scale 1 on the 24-bit grid, corrected."""
-        flags = AudioFlag.NONE
+        flags, carried = AudioFlag.NONE, self._match.carried
         if not np.isfinite(raw).all():
             raw, flags = np.where(np.isfinite(raw), raw, np.float32(0)), AudioFlag.INVALID
         raw = _on_grid(raw)  # first, so that a 24-bit recording of it gives the same samples again
         samples = raw if self._none else _on_grid(self.of(raw))
         if max(_peak(raw), _peak(samples)) >= CLIPPED:
             flags |= AudioFlag.CLIPPED
-        return MappedSamples(samples, None if self._none else raw, flags)
+        return MappedSamples(samples, None if self._none else raw, flags, carried)
 
 
 def _on_grid(samples: Samples) -> Samples:

@@ -114,6 +114,8 @@ class CheckedSource:
                 return f"{what}: {fault}"
         if block.lost < 0 or block.index != self._next + block.lost:
             return f"index: expected {self._next} and what was lost, got {block.index} with {block.lost} lost"
+        if not (isinstance(block.carried, float) and math.isfinite(block.carried)):
+            return f"carried: expected a finite number, got {block.carried!r}"
         if not block.time >= self._time - BACK_S or math.isinf(block.time):
             return f"time: expected one that grows, got {block.time!r} s after {self._time!r} s"
         return ""

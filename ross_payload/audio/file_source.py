@@ -69,7 +69,8 @@ class FileSource:
         wired = self._correction.apply(np.ascontiguousarray(frames[:, list(self._wiring.channels)].T))
         index, self._index = self._index, self._index + n
         self._clock.sleep(max(self._began + self._index / self._rate - self._clock.now(), 0.0))
-        return AudioBlock(wired.samples, index, self._began + index / self._rate, flags=wired.flags, raw=wired.raw)
+        time = self._began + index / self._rate
+        return AudioBlock(wired.samples, index, time, flags=wired.flags, raw=wired.raw, carried=wired.carried)
 
     def __enter__(self) -> Self:
         """Open the file; its first sample is heard at this moment.

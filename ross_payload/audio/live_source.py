@@ -118,7 +118,7 @@ class LiveSource:
         wired = self._correction.apply(stretch.samples)
         flags = wired.flags | (AudioFlag.MISSING if stretch.missing or stretch.spliced else AudioFlag.NONE)
         index, self._index = self._index, self._index + n
-        return AudioBlock(wired.samples, index, stretch.time, flags=flags, raw=wired.raw)
+        return AudioBlock(wired.samples, index, stretch.time, flags=flags, raw=wired.raw, carried=wired.carried)
 
     def status(self) -> SourceStatus:
         """How the source is; from any thread."""

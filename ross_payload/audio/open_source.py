@@ -29,7 +29,7 @@ class SourceServices:
 
     clock: Clock
     audio: Audio  # all of [audio]: rate_hz, hop_ms, latency_ms, buffer_s ...
-    wiring: ChannelMap  # which channels are microphones 1 and 2, their gain and polarity
+    wiring: ChannelMap  # which channels are microphones 1 and 2, their gain, polarity and roll-off
     connect_timeout: float = 0.0  # by which a server that refuses connections may come later [s]
 
     def live(self, opener: Opener, *, settling: float = 0.0) -> LiveSource:

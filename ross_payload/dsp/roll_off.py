@@ -37,7 +37,7 @@ class RollOffMatch:
         self._channel = int(corners[1] < corners[0]) if low < high else None
         self._forward = np.array([1 + low, low - 1]) / (1 + high)
         self._back = np.array([1.0, (high - 1) / (1 + high)])
-        self._state = np.zeros(1)
+        self.carried = 0.0  # of the filter, from what came before
 
     @property
     def none(self) -> bool:
@@ -51,7 +51,7 @@ class RollOffMatch:
         from scipy.signal import lfilter  # noqa: PLC0415  takes as long as all the rest of the payload
 
         filtered = samples.copy()
-        filtered[self._channel], self._state = lfilter(
-            self._forward, self._back, samples[self._channel].astype(float), zi=self._state
+        filtered[self._channel], (self.carried,) = lfilter(
+            self._forward, self._back, samples[self._channel].astype(float), zi=[self.carried]
         )
         return filtered

@@ -46,6 +46,7 @@ def line(hop: Input, *, exact: bool = True) -> str:
         "fault": hop.fault,
         "orders": [{"order": type(order).__name__, **asdict(order)} for order in hop.orders],
         "raw": block.raw is not None,
+        "carried": block.carried,
         "rounded": not exact,
     }
     if hop.attitude.height is not None:
@@ -63,7 +64,7 @@ def parsed(text: bytes) -> dict[str, Any] | None:
         whole = are_finite(values["time"], values["joint"], *values["heading"], *angles)
         whole = whole and (age == math.inf or are_finite(age))  # that of an attitude which never came
         whole = whole and len(values["heading"]) == 2 and len(values["attitude"]) == ATTITUDE
-        whole = whole and are_finite(values.get("height", 0.0))
+        whole = whole and are_finite(values.get("height", 0.0), values.get("carried", 0.0))
         speeds = values.get("rotors", ())
         whole = whole and isinstance(speeds, list | tuple) and are_finite(*speeds)
         told = values.get("pointing", (0.0, 0.0, 0.0, 0.0))
@@ -99,7 +100,13 @@ def input_of(values: Mapping[str, Any], samples: Samples, raw: Samples | None) -
         When it carries an order that this program does not know.
     """
     block = AudioBlock(
-        samples, values["index"], values["time"], values.get("lost", 0), AudioFlag(values.get("flags", 0)), raw
+        samples,
+        values["index"],
+        values["time"],
+        values.get("lost", 0),
+        AudioFlag(values.get("flags", 0)),
+        raw,
+        carried=float(values.get("carried", 0.0)),
     )
     return Input(
         block=block,

@@ -105,6 +105,8 @@ class RecordedSession:
             if raw.shape[1] < values["n"]:
                 return
             wired = wire_everywhere or bool(values.get("raw"))
+            if not wire_everywhere and "carried" in values:  # it began in mid-stream, or left something out
+                correction.resume(values["carried"])
             yield input_log.input_of(values, correction.apply(raw).samples if wired else raw, raw if wired else None)
 
     def lines(self) -> Iterator[dict[str, Any]]:

@@ -152,5 +152,5 @@ class VoiceTrack:
 
 
 def _recorded(hop: Input) -> Samples:
-    """What came from the microphones, before gain and polarity."""
+    """What came from the microphones, before all corrections."""
     return hop.block.samples if hop.block.raw is None else hop.block.raw

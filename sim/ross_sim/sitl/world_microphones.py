@@ -147,7 +147,7 @@ class WorldMicrophones:
             return AudioBlock(samples, index, time, flags=flags)
         channels, correction = self._wired
         mapped = correction.apply(samples[channels])
-        return AudioBlock(mapped.samples, index, time, flags=mapped.flags, raw=mapped.raw)
+        return AudioBlock(mapped.samples, index, time, flags=mapped.flags, raw=mapped.raw, carried=mapped.carried)
 
     def __enter__(self) -> Self:
         """Open the microphones, once.

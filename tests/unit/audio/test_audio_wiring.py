@@ -1,16 +1,21 @@
 """Which channels are the microphones, and what is done to them."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
 
+from manual import ROOT
 from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.audio.open_source import open_source
 from ross_payload.config import Audio, Config, validated
 from ross_payload.config.array_presets import PRESETS
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import AudioFlag
+from ross_payload.interfaces import AudioBlock, AudioFlag
 from ross_sim.clock import SimClock
+
+RULES = ROOT / "docs/how-to/add-your-own-audio-source.md"
 
 
 def pair(*values):
@@ -51,6 +56,20 @@ def test_a_difference_of_roll_off_is_taken_out_of_the_samples_block_after_block(
     first, second = np.concatenate([each.samples for each in wired], axis=1)
     assert first == pytest.approx(second, abs=1e-6)
     assert np.concatenate([each.raw for each in wired], axis=1) == pytest.approx(device, abs=2**-24)
+
+
+def test_a_source_of_ones_own_makes_its_blocks_as_the_manual_says():
+    wiring = ChannelMap.of(Audio(channels=(1, 0), gain_db=(0.0, -6.0)))
+    (rule,) = re.findall(
+        r"Make one `wiring\.(\w+)\(rate\)`.* its `(\w+)`, .* `wiring\.(\w+)`", RULES.read_text("utf-8")
+    )
+    make, apply, channels = rule
+    frames = np.zeros((160, 2), np.float32)
+    wired = getattr(getattr(wiring, make)(16000), apply)(frames[:, list(getattr(wiring, channels))].T)
+    assert AudioBlock(wired.samples, 0, 0.0, flags=wired.flags, raw=wired.raw, carried=wired.carried).samples.shape == (
+        2,
+        160,
+    )
 
 
 def test_without_gain_there_is_no_second_copy():

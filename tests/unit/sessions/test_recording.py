@@ -76,6 +76,27 @@ def test_what_corrections_made_of_any_samples_comes_back(tmp_path):
     assert only(tmp_path).contents().notes == ()
 
 
+def test_corrections_come_back_where_a_session_begins_in_mid_stream_or_a_block_never_came(tmp_path):
+    audio = Config.model_validate({"audio": {"roll_off_hz": [20, 55]}}).audio
+    correction, rng = ChannelMap.of(audio).correction(16000), np.random.default_rng(4)
+    device = rng.normal(0.2, 0.1, (20, 2, HOP)).astype(np.float32)
+    wired = [correction.apply(samples) for samples in device]
+    blocks = [
+        AudioBlock(one.samples, k * HOP, 0.0, flags=one.flags, raw=one.raw, carried=one.carried)
+        for k, one in enumerate(wired)
+    ]
+    blocks[12] = AudioBlock(np.zeros((2, HOP), np.float32), 12 * HOP, 0.0, flags=AudioFlag.MISSING)
+    record(tmp_path, [input_of(k, block=block) for k, block in enumerate(blocks) if k >= 5])
+    found = list(only(tmp_path).inputs(audio))
+    assert len(found) == 15
+    assert all(np.array_equal(one.block.samples, was.samples) for one, was in zip(found, blocks[5:], strict=True))
+    other = Config.model_validate({"audio": {"roll_off_hz": [20, 90]}}).audio
+    anew = ChannelMap.of(other).correction(16000)
+    for one, was in zip(only(tmp_path).inputs(other, wire_everywhere=True), blocks[5:], strict=True):
+        raw = was.samples if was.raw is None else was.raw
+        assert np.array_equal(one.block.samples, anew.apply(raw).samples)
+
+
 def test_samples_that_24_bits_do_not_hold_are_said(tmp_path):
     odd = replace(block_of(1), samples=np.full((2, HOP), np.pi / 7, np.float32))
     record(tmp_path, [input_of(0), input_of(1, block=odd)])
