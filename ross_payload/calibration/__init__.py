@@ -1,1 +1,1 @@
-"""What the array itself is like, heard by turning: spacing, heading offset, gain, polarity. Pure functions."""
+"""What the array itself is like, heard by turning: spacing, offset, gain, polarity, roll-off. All pure."""

@@ -1,4 +1,4 @@
-"""``ross calibrate``: spacing, heading offset, gain and polarity of the array, from one sound and a turn."""
+"""``ross calibrate``: spacing, heading offset, gain, polarity and roll-off of the array, from one sound and a turn."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ EPILOG = """Exit codes: 0 calibrated, 2 bad input or a sound, turn or room that 
 actuator or a file that cannot be written, 130 stopped by the user."""
 
 
-@click.command("calibrate", short_help="Measure the array by turning: spacing, offset, gain, polarity.", epilog=EPILOG)
+@click.command(
+    "calibrate", short_help="Measure the array by turning: spacing, offset, gain, polarity, roll-off.", epilog=EPILOG
+)
 @click.argument("config", type=click.Path(path_type=Path))
 @click.option("--azimuth", type=Number(), metavar="DEG", help="Of the sound, as on a compass; gives the offset.")
 @click.option("--elevation", type=NumberRange(-80, 80), default=0.0, metavar="DEG", help="Of the sound; default 0.")
