@@ -148,11 +148,15 @@ def test_what_the_record_decides_has_no_effect_and_is_said(taped, tmp_path, run)
 
 
 @pytest.mark.soak
-def test_a_later_correction_of_the_polarity_is_heard(taped, tmp_path, run):
+@pytest.mark.parametrize(
+    ("key", "change"),
+    [("audio.invert", [[False, False], [False, True]]), ("audio.roll_off_hz", [[0.0, 0.0], [0.0, 40.0]])],
+)
+def test_a_later_correction_is_heard(taped, tmp_path, run, key, change):
     _, session = taped
-    _, values = replayed(session, tmp_path / "out", run, "audio.invert=[false, true]")
+    _, values = replayed(session, tmp_path / "out", run, f"{key}={json.dumps(change[1])}")
     assert not values["identical"]
-    assert values["changes"] == {"audio.invert": [[False, False], [False, True]]}
+    assert values["changes"] == {key: change}
 
 
 @pytest.mark.parametrize(

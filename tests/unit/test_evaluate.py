@@ -6,10 +6,12 @@ from functools import cache, partial
 import numpy as np
 import pytest
 import soundfile
+from scipy.signal import butter, lfilter
 
 from command_line import called
 from examples import in_soak, rows_in_soak
 from ross_payload.audio.audio_files import write_wav
+from ross_payload.audio.channel_map import ChannelMap
 from ross_payload.dsp.metrics import si_sdri
 from ross_payload.dsp.stft import Stft
 from ross_payload.evaluation.takes import Take, lag_of, paired, placed, read_take
@@ -389,6 +391,14 @@ def test_a_constant_offset_of_a_recording_is_not_evaluated(tmp_path):
     write_wav(tmp_path / "offset.wav", sound + np.array([[0.2], [-0.1]]), RATE)
     plain, offset = (read_take(tmp_path / f"{name}.wav").samples for name in ("plain", "offset"))
     assert offset == pytest.approx(plain, abs=2**-22)
+
+
+def test_a_difference_of_roll_off_is_taken_out_of_a_take(tmp_path):
+    sound = np.random.default_rng(0).normal(0, 0.1, (1, 2 * RATE)).repeat(2, axis=0)
+    sound[1] = lfilter(*butter(1, 40.0, "highpass", fs=RATE), sound[1])
+    write_wav(tmp_path / "take.wav", sound, RATE)
+    first, second = read_take(tmp_path / "take.wav", ChannelMap((0, 1), roll_offs=(0.0, 40.0))).samples
+    assert first[RATE:] == pytest.approx(second[RATE:], abs=1e-4)
 
 
 def test_a_recording_that_has_clipped_is_said_to_be(takes, scored, tmp_path):

@@ -96,6 +96,7 @@ BAD_BLOCKS = {
     "raw": ({"raw": np.zeros((2, 3), np.float32)}, "raw: expected float32 (2, 160), got float32 (2, 3)"),
     "skips": ({"index": 2 * HOP}, "index: expected 160 and what was lost, got 320 with 0 lost"),
     "repeats": ({"index": 0}, "index: expected 160 and what was lost, got 0 with 0 lost"),
+    "carried": ({"carried": float("nan")}, "carried: expected a finite number, got nan"),
     "back": ({"time": 4.0}, "time: expected one that grows, got 4.0 s after 5.0 s"),
     "no time": ({"time": float("nan")}, "time: expected one that grows, got nan s after 5.0 s"),
 }

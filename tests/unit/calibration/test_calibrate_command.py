@@ -6,13 +6,16 @@ import socket
 import threading
 import time
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import soundfile
 
 from command_line import called
-from ross_payload.config import load
+from ross_payload.calibration.estimate import Calibration
+from ross_payload.config import Config, load
+from ross_payload.doctor.calibration_report import changes
 from ross_payload.service.state_folder import owned
 from ross_protocols.audio.pcm import Header, encode_header
 from turned_array import RATE, SECONDS, around, heard_at
@@ -109,6 +112,18 @@ def test_a_difference_of_roll_off_is_written_and_then_agrees(files, monkeypatch,
     code, out, _ = called(monkeypatch, capsys, *offline(files))
     assert "of microphone 2 +0 ± " in out
     assert "the configuration agrees with what was heard" in out
+
+
+@pytest.mark.parametrize(("swapped", "wanted"), [(False, [0.0, 45.0]), (True, [45.0, 0.0])])
+def test_corners_add_to_those_configured_and_change_places_with_the_microphones(swapped, wanted):
+    config = Config.model_validate({"audio": {"roll_off_hz": [10.0, 35.0]}})
+    found = Calibration(
+        0.05, 0.001, 0.0, 0.01, 0.0, swapped, 0.0, 0.1, inverted=False, delay=None, delay_sigma=None,
+        roll_off=20.0, roll_off_sigma=1.0, direct=1.0, headings=12, turn=6.0,
+    )  # fmt: skip
+    assert changes(config, found)["audio.roll_off_hz"] == wanted
+    alike = replace(found, swapped=False, roll_off=1.9, roll_off_sigma=0.1)
+    assert changes(config, alike) == {}
 
 
 @pytest.mark.soak
