@@ -234,12 +234,14 @@ class Telemetry:
         """Wait until the pump has sent what was said last, then close the log."""
         end = self._clock.now() + FLUSHING
         try:
-            while not self._events.empty() and self._clock.now() < end:
-                self._clock.sleep(PERIOD)
+            try:
+                while not self._events.empty() and self._clock.now() < end:
+                    self._clock.sleep(PERIOD)
+            finally:
+                self._cancel()  # two threads may not send at once
             if self._streams.look(self._timebase.usec(), earth=self._reporter.status.earth):  # they have ended
                 self._scheduler.flow(self._clock.now())
         finally:
-            self._cancel()
             if self._tlog is not None:
                 self._tlog.close()
 

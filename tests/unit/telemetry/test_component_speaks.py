@@ -27,6 +27,18 @@ THREE = SourcesEstimated(0.0, Estimate(SOURCES, certain=True), 12, final=True)
 # ---------------------------------------------------------------------------------------------------- what goes out
 
 
+def test_the_pump_sends_no_more_when_the_end_of_the_streams_is_told(aloft, monkeypatch) -> None:
+    """Two threads that took texts from one line at once ended the payload with an error."""
+    done = []
+    with aloft(GROUND) as sky:
+        sky.live(0.5)
+        cancel, flow = sky.telemetry._cancel, sky.telemetry._scheduler.flow
+        monkeypatch.setattr(sky.telemetry, "_cancel", lambda: done.append("cancelled") or cancel())
+        monkeypatch.setattr(sky.telemetry._scheduler, "flow", lambda now: done.append("sent") or flow(now))
+        monkeypatch.setattr(sky.telemetry._streams, "look", lambda *told, **more: True)
+    assert done[-2:] == ["cancelled", "sent"]
+
+
 def test_who_only_listens_is_told_everything_at_its_rate(aloft) -> None:
     with aloft(GROUND) as sky:
         sky.live(20.0)
