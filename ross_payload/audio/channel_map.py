@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 
 from ross_payload.config import Audio
 from ross_payload.config.array_presets import PRESETS
-from ross_payload.dsp.roll_off import RollOffMatch
+from ross_payload.dsp.roll_off import RollOffMatch, Values
 from ross_payload.errors import ConfigError
-from ross_payload.interfaces import AudioFlag, Real, Samples
+from ross_payload.interfaces import AudioFlag, Samples
 
 FULL_SCALE = 2**23  # of the 24-bit grid
-Values = TypeVar("Values", Samples, Real)
 CLIPPED = 1 - 2**-15  # what a 16-bit converter says at full scale
 
 

@@ -19,15 +19,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ross_payload.calibration.estimate import DELAY_FROM, span_of
-from ross_payload.dsp.itd import Trust, band_limits, weighted_itd
+from ross_payload.dsp.itd import RULED, band_limits, weighted_itd
 from ross_payload.dsp.stft import Stft, band
 from ross_payload.events import Estimate
 from ross_payload.interfaces import Real, Samples
 
 FRAME = 0.05  # [s], rounded to a power of two in samples
-RULED = Trust(neighbourhood=(3, 3), coherence=0.99)  # bins that one talker rules
 NEAR = (0.25, 0.15, 0.15)  # from the delay of a talker, round by round [u]
-APART = 1.6  # times as far must that of any other talker be
 FEWEST = 200  # bins
 HEADINGS = 7
 TALKERS = 2  # the reflections of one alone may all say the same
@@ -153,16 +151,15 @@ def _linearised(bins: Bins, found: Real, unit: float, near: float) -> tuple[Real
     turn = 2 * np.pi * unit * bins.frequency  # phase of one unit of delay [rad]
     around = azimuths[:, None] - bins.heading
     away = bins.delay - amplitudes[:, None] * np.cos(around) - MICRO * delay / unit - higher / bins.frequency / turn
-    ordered = np.sort(np.abs(away), axis=0)
-    alone = ordered[0] < near if k == 1 else (ordered[0] < near) & (ordered[1] > APART * near)
-    talker, n = np.abs(away).argmin(axis=0)[alone], np.arange(int(np.count_nonzero(alone)))
-    turn, away, around = turn[alone], away[:, alone], around[:, alone]
+    ruled = np.abs(away).min(axis=0) < near
+    talker, n = np.abs(away).argmin(axis=0)[ruled], np.arange(int(np.count_nonzero(ruled)))
+    turn, away, around = turn[ruled], away[:, ruled], around[:, ruled]
     slopes = np.zeros((len(n), 2 * k + 2))
     slopes[n, talker] = -turn * amplitudes[talker] * np.sin(around[talker, n])
     slopes[n, k + talker] = turn * np.cos(around[talker, n])
     slopes[:, -2] = turn * MICRO / unit
-    slopes[:, -1] = 1 / bins.frequency[alone]
-    return slopes, turn * away[talker, n], bins.weight[alone] / turn, bins.stretch[alone]
+    slopes[:, -1] = 1 / bins.frequency[ruled]
+    return slopes, turn * away[talker, n], bins.weight[ruled] / turn, bins.stretch[ruled]
 
 
 def _parts(stretch: Real) -> list[slice]:

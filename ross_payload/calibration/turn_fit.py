@@ -157,8 +157,7 @@ def second_source(turn: Turn, found: TurnFit) -> tuple[float, float]:
     """Share of the weight that another source at rest explains best of what a fit leaves, and its azimuth [rad]."""
     away = AZIMUTHS[np.abs(difference(AZIMUTHS, found.azimuth)) > ELSEWHERE]
     delays = found.amplitude * np.cos(away - turn.headings[:, None]) + found.delay
-    left = _left_over(turn, found) * np.exp(-1j * np.arctan(found.roll_off / turn.frequencies))
-    shares = Steered(turn, left).share(delays) * (-1 if found.inverted else 1)
+    shares = Steered(turn, _left_over(turn, found)).share(delays) * (-1 if found.inverted else 1)
     return float(shares.max()), float(away[shares.argmax()])
 
 

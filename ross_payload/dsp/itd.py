@@ -37,6 +37,7 @@ class Trust:
 
 STEP = 0.25  # from one frame of a neighbourhood to the next, as a share of a frame
 STRICT = Trust(coherence=0.995)  # for what tells how many sources there are
+RULED = Trust(neighbourhood=(3, 3), coherence=0.99)  # for what tells where: bins that one source rules
 
 
 def around(trust: Trust, frequencies: Real, frame_period: float) -> tuple[int, int]:

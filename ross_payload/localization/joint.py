@@ -21,7 +21,7 @@ import numpy as np
 
 from ross_payload.angles import difference, wrap
 from ross_payload.dsp.density import itd_grid, kde, prominent_peaks
-from ross_payload.dsp.itd import STRICT, Trust, band_limits, check_array, lowest_noise, period_of
+from ross_payload.dsp.itd import RULED, STRICT, Trust, band_limits, check_array, lowest_noise, period_of
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
 from ross_payload.localization import below, itd_mixture, model_order, talker_evidence
@@ -74,7 +74,7 @@ class Joint:
     spacing: float
     speed_of_sound: float
     trust: Trust = STRICT
-    strict: Trust = field(default_factory=lambda: Trust(neighbourhood=(3, 3), coherence=0.99))
+    strict: Trust = RULED
     penalty: model_order.Penalty = field(default_factory=model_order.Penalty)
     enough: Stop = field(default_factory=Stop)
     name: str = "joint"

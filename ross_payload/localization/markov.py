@@ -15,13 +15,13 @@ import numpy as np
 
 from ross_payload.angles import wrap
 from ross_payload.dsp.density import histogram, itd_grid, kde, prominent_peaks
-from ross_payload.dsp.itd import Trust, band_limits, itd_per_bin, period_of, weighted_itd
+from ross_payload.dsp.itd import RULED, Trust, band_limits, itd_per_bin, period_of, weighted_itd
 from ross_payload.events import Estimate, SourceEstimate
 from ross_payload.interfaces import Complex, Observation, Real
 from ross_payload.localization import front_back_test
 from ross_payload.localization.clusters import Cluster, k_means
 
-TRUSTS = (Trust(), Trust(neighbourhood=(3, 3), coherence=0.99))
+TRUSTS = (Trust(), RULED)
 N_BINS = 241
 UNCHANGED = 2  # times that K must stay the same
 HALF_TURN = np.pi - 1e-6  # total rotation at which Algorithm 1 ends [rad]
