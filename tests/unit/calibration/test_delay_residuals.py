@@ -7,6 +7,7 @@ import pytest
 from scipy.signal import butter, lfilter
 
 from mission_bench import SETTINGS
+from ross_payload.calibration.consistency import Contradiction
 from ross_payload.calibration.delay_residuals import finer_contradiction, residuals_of
 from ross_payload.events import ArrayContradicted, Estimate, SourceEstimate
 from ross_payload.mission import explore
@@ -90,6 +91,10 @@ def test_talkers_above_the_array_have_shorter_delays_and_no_other_roll_off(voice
     assert finer_contradiction(heard(voices, spacing=0.043), believed(TALKERS), RATE, UNIT) == (None, None)
 
 
+def test_two_per_cent_are_not_worth_a_word(voices):
+    assert finer_contradiction(heard(voices, spacing=0.051), believed(TALKERS), RATE, UNIT) == (None, None)
+
+
 @pytest.mark.parametrize("spacing", [0.053, 0.058])
 def test_an_array_that_is_a_little_wider_than_configured_is_noticed(voices, spacing):
     off = TALKERS + np.deg2rad([2.0, -2.0, 1.0])
@@ -127,10 +132,10 @@ def test_silence_and_stretches_that_are_too_short_tell_nothing(voices):
     assert residuals_of(short, TALKERS, RATE, UNIT) is None
 
 
-def explored(voices, *, settings=SETTINGS, spread=0.0, **like):
+def explored(voices, *, settings=SETTINGS, spread=0.0, deaf=False, **like):
     """What an exploration of these talkers has to say of the array."""
     context = Context(replace(settings, rate=RATE), tools=None)
-    context.explored = [Listening(heading, samples, spread) for heading, samples in heard(voices, **like)]
+    context.explored = [Listening(heading, samples, spread, deaf=deaf) for heading, samples in heard(voices, **like)]
     context.beliefs = [believed(TALKERS)]
     explore.check_array(context)
     return [event for event in context.pending if isinstance(event, ArrayContradicted)]
@@ -141,6 +146,13 @@ def test_an_exploration_says_so_and_an_operator_reads_it(voices):
     assert (event.spacing, event.gain_db, event.delay) == (None, None, None)
     assert line(event)[1] == f"array: microphone 2 rolls off about {event.roll_off:.0f} Hz higher: ross calibrate"
     assert "microphone 1 rolls off about 40 Hz higher" in line(replace(event, roll_off=-40.0))[1]
+
+
+def test_nothing_finer_is_said_of_what_deaf_microphones_or_another_array_heard(voices, monkeypatch):
+    assert explored(voices, corners=(20.0, 60.0), deaf=True) == []
+    monkeypatch.setattr(explore, "contradiction", lambda *heard, **more: Contradiction(delay=5e-5))
+    (event,) = explored(voices, corners=(20.0, 60.0))
+    assert (event.delay, event.roll_off) == (5e-5, None)
 
 
 def test_nothing_is_said_of_it_below_a_vehicle_or_while_the_array_turns(voices):
